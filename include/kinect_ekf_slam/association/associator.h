@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "kinect_ekf_slam/core/landmark.h"
+#include "kinect_ekf_slam/models/measurement.h"
+
+namespace kinect_ekf_slam {
+
+struct AssociationOptions {
+  enum class Type { kKnown, kNearestNeighbor };
+  Type type = Type::kNearestNeighbor;
+  /// A detection may be a landmark when its squared Mahalanobis distance is below the chi-square quantile of
+  /// this probability: 0.975 gives the report's alpha, 7.378 in the plane and 9.348 in space.
+  double gate_probability = 0.975;
+  /// Nearest neighbour: a detection is a new landmark when it lies outside the quantile of this probability
+  /// for every landmark of the map; between the two gates it is nothing.
+  double new_landmark_probability = 0.99999;
+  /// Nearest neighbour: m; a detection nearer than this to a mapped landmark is never a new one.
+  double new_landmark_distance = 0.0;
+};
+
+/// What the map lets a sensor expect: the associator's view of an estimator.
+template <class Space>
+class PredictedMap {
+ public:
+  virtual ~PredictedMap() = default;
+  virtual int size() const = 0;
+  virtual const LandmarkInfo& info(int landmark) const = 0;
+  /// h(x), m, in the base frame.
+  virtual typename Space::Point point_in_base(int landmark) const = 0;
+  /// H P H^T, m^2: the innovation's covariance without the measurement noise.
+  virtual typename Space::PointMatrix covariance(int landmark) const = 0;
+};
+
+/// What one observation is taken for.
+struct Assignment {
+  Verdict verdict =
+      Verdict::kOutsideGate;  ///< kMatched, kCreated (a new landmark), or the reason for neither
+  int landmark = -1;          ///< index in the map when matched, or the one that refused it
+  double squared_distance = std::numeric_limits<double>::quiet_NaN();  ///< Mahalanobis, to that landmark
+};
+
+/// Decides which landmark each observation of one time is. Stateless: the same view gives the same answer.
+template <class Space>
+class Associator {
+ public:
+  using Observations = std::vector<Observation<Space>>;
+  virtual ~Associator() = default;
+  /// One assignment an observation, in their order; no landmark is matched twice.
+  virtual std::vector<Assignment> associate(const Observations& observations,
+                                            const PredictedMap<Space>& map) const = 0;
+  /// True when landmarks are told apart by the identity that the detector reads.
+  virtual bool knows_identities() const { return false; }
+};
+
+template <class Space>
+std::unique_ptr<Associator<Space>> make_associator(const AssociationOptions& options);
+
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "kinect_ekf_slam/core/se2.h"
+
+namespace kinect_ekf_slam {
+
+/// Velocity of the robot's base in its own axes; what odometry and a gyro measure, in whatever space.
+struct BodyVelocity {
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< m/s
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rad/s
+  bool heading_from_gyro = false;                     ///< the turn rate is a gyro's, not the wheels'
+};
+
+/// A space is all that an algorithm must know about the world's geometry: poses, points, and how they embed
+/// in the three dimensions in which sensors and ROS speak. Algorithms are written once, over the space.
+///
+/// Planar: pose (x, y, theta) in SE(2), landmarks (x, y): a state of 3 + 2n.
+struct Planar {
+  static constexpr const char* kName = "planar";
+  static constexpr int kPoseDim = 3;
+  static constexpr int kPointDim = 2;
+  /// Where the space's pose error (x, y, theta) stands in REP-103's (x, y, z, roll, pitch, yaw).
+  static constexpr int kPoseAxes[kPoseDim] = {0, 1, 5};
+
+  using Pose = Se2;
+  using Point = Eigen::Matrix<double, kPointDim, 1>;
+  using PointMatrix = Eigen::Matrix<double, kPointDim, kPointDim>;
+  using PoseVector = Eigen::Matrix<double, kPoseDim, 1>;
+  using PoseMatrix = Eigen::Matrix<double, kPoseDim, kPoseDim>;
+
+  /// Twist of the pose's tangent space from the base's velocity.
+  static PoseVector twist(const BodyVelocity& velocity) {
+    return {velocity.linear.x(), velocity.linear.y(), velocity.angular.z()};
+  }
+  /// The pose after a local perturbation. The translation moves along a straight line, as the linear errors
+  /// of a Kalman filter do; to first order this is pose * Exp(xi).
+  static Pose retract(const Pose& pose, const PoseVector& local) {
+    return {Point(pose.translation() + pose.rotation() * local.head<kPointDim>()), pose.angle() + local.z()};
+  }
+  /// d(Exp(-xi) point)/d xi at xi = 0: how a point in the base moves when the base is perturbed.
+  static Eigen::Matrix<double, kPointDim, kPoseDim> point_by_pose(const Point& point_in_base) {
+    Eigen::Matrix<double, kPointDim, kPoseDim> jacobian;
+    jacobian << -PointMatrix::Identity(), -quarter_turn() * point_in_base;
+    return jacobian;
+  }
+  static PoseVector to_vector(const Pose& pose) {
+    return {pose.translation().x(), pose.translation().y(), pose.angle()};
+  }
+  static Pose pose_from_vector(const Eigen::VectorXd& vector) { return {vector(0), vector(1), vector(2)}; }
+  static Point from_3d(const Eigen::Vector3d& point) { return point.head<2>(); }
+  static PointMatrix from_3d(const Eigen::Matrix3d& covariance) { return covariance.topLeftCorner<2, 2>(); }
+  static Eigen::Vector3d to_3d(const Point& point) { return {point.x(), point.y(), 0.0}; }
+  static Eigen::Isometry3d to_3d(const Pose& pose) {
+    Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
+    transform.translation() = to_3d(pose.translation());
+    transform.linear() = Eigen::AngleAxisd(pose.angle(), Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    return transform;
+  }
+  static Pose pose_from_3d(const Eigen::Isometry3d& pose) {
+    const Eigen::Vector3d forward = pose.linear().col(0);
+    return {Point(pose.translation().head<2>()), std::atan2(forward.y(), forward.x())};
+  }
+};
+
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <memory>
+
+#include "kinect_ekf_slam/association/associator.h"
+#include "kinect_ekf_slam/estimators/options.h"
+#include "kinect_ekf_slam/estimators/slam_estimator.h"
+
+namespace kinect_ekf_slam {
+
+/// The estimator that the options name, at `initial`, with an empty map.
+template <class Space>
+std::unique_ptr<SlamEstimator<Space>> make_estimator(const EstimatorOptions& options,
+                                                     const AssociationOptions& association,
+                                                     const PoseEstimate<Space>& initial);
+
+}  // namespace kinect_ekf_slam

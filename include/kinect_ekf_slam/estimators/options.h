@@ -1,0 +1,17 @@
+#pragma once
+
+namespace kinect_ekf_slam {
+
+struct EstimatorOptions {
+  enum class Type { kEkf, kDeadReckoning };
+  Type type = Type::kEkf;
+  /// An accepted observation whose squared Mahalanobis distance exceeds this has its noise inflated in the
+  /// same proportion, so that an unlikely sighting pulls less; 0: never.
+  double robust_threshold = 6.0;
+  /// Association by identity: a landmark that this many sightings in a row contradict, and no more than as
+  /// many support, was misplaced (a misread identity) and is placed anew; 0: never.
+  int replace_after = 3;
+  int max_landmarks = 2000;  ///< more are refused
+};
+
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "kinect_ekf_slam/core/space.h"
+#include "kinect_ekf_slam/models/motion.h"
+
+namespace kinect_ekf_slam {
+
+/// A pose with the covariance of its error: position in the map's axes, then rotation.
+template <class Space>
+struct PoseEstimate {
+  typename Space::Pose map_from_base;
+  typename Space::PoseMatrix covariance = Space::PoseMatrix::Zero();  ///< m^2, rad^2
+};
+
+/// d(error)/d(local perturbation): the position error stands in the map's axes, equation (4.1).
+template <class Space>
+typename Space::PoseMatrix error_from_local(const typename Space::Pose& map_from_base) {
+  typename Space::PoseMatrix transform = Space::PoseMatrix::Identity();
+  transform.template topLeftCorner<Space::kPointDim, Space::kPointDim>() = map_from_base.rotation();
+  return transform;
+}
+
+template <class Space>
+typename Space::PoseMatrix local_from_error(const typename Space::Pose& map_from_base) {
+  return error_from_local<Space>(map_from_base).transpose();  // it is a rotation
+}
+
+/// The prediction step of a pose, equations (4.2) to (4.4): x = f(x, u), P = F P F^T + W Q W^T. Returns F.
+template <class Space>
+typename Space::PoseMatrix predict_pose(const MotionStep<Space>& step, PoseEstimate<Space>* pose) {
+  using PoseMatrix = typename Space::PoseMatrix;
+  const typename Space::Pose moved = pose->map_from_base * step.delta;
+  const PoseMatrix W = error_from_local<Space>(moved);
+  PoseMatrix F = W * step.delta.inverse().adjoint() * local_from_error<Space>(pose->map_from_base);
+  const PoseMatrix covariance = F * pose->covariance * F.transpose() + W * step.covariance * W.transpose();
+  *pose = {moved, covariance.template selfadjointView<Eigen::Lower>()};
+  return F;
+}
+
+}  // namespace kinect_ekf_slam

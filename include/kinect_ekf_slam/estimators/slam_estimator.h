@@ -1,0 +1,71 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "kinect_ekf_slam/association/associator.h"
+#include "kinect_ekf_slam/core/landmark.h"
+#include "kinect_ekf_slam/estimators/pose_estimate.h"
+#include "kinect_ekf_slam/models/measurement.h"
+#include "kinect_ekf_slam/models/motion.h"
+
+namespace kinect_ekf_slam {
+
+template <class Space>
+struct LandmarkEstimate {
+  LandmarkInfo info;
+  typename Space::Point position_in_map = Space::Point::Zero();         ///< m
+  typename Space::PointMatrix covariance = Space::PointMatrix::Zero();  ///< m^2, marginal
+};
+
+/// All that an estimator knows. Row order of the covariance: pose (position, rotation), then the landmarks.
+template <class Space>
+struct SlamState {
+  typename Space::Pose map_from_base;
+  std::vector<LandmarkInfo> infos;
+  Eigen::VectorXd landmarks_in_map;  ///< m, the points one after the other
+  Eigen::MatrixXd covariance;        ///< symmetric, of size pose dim + point dim * landmarks
+};
+
+/// What became of the observations of one time.
+struct UpdateReport {
+  std::vector<Assignment>
+      assignments;  ///< one an observation; `landmark` is the landmark's id, not its index
+  double nis = std::numeric_limits<double>::quiet_NaN();  ///< nu^T S^-1 nu of the joint update, before it
+  int dof = 0;                                            ///< of the joint update, 0: none took place
+};
+
+/// The contract of every SLAM estimator: predict, observe, and say what you believe.
+///
+/// Estimates are in the map frame. After any call the covariances are symmetric and positive semi-definite.
+template <class Space>
+class SlamEstimator {
+ public:
+  virtual ~SlamEstimator() = default;
+
+  /// Moves the robot.
+  virtual void predict(const MotionStep<Space>& step) = 0;
+
+  /// Associates all observations of one time, corrects pose and map in one joint update, adds new landmarks.
+  virtual UpdateReport observe(TimeNs stamp, const std::vector<Observation<Space>>& observations) = 0;
+
+  virtual PoseEstimate<Space> pose() const = 0;
+  virtual std::vector<LandmarkEstimate<Space>> landmarks() const = 0;
+
+  /// The whole state; `restore(snapshot())` changes nothing.
+  virtual SlamState<Space> snapshot() const = 0;
+  virtual void restore(const SlamState<Space>& state) = 0;
+
+  /// Puts the robot somewhere, independent of all that the map knows; the map stays.
+  virtual void set_pose(const PoseEstimate<Space>& pose) = 0;
+
+  /// With a fixed map the landmarks and their covariance never change and none is added; their uncertainty is
+  /// still accounted for in the pose's.
+  virtual void set_map_fixed(bool fixed) = 0;
+
+  virtual std::unique_ptr<SlamEstimator> clone() const = 0;
+};
+
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "kinect_ekf_slam/core/landmark.h"
+#include "kinect_ekf_slam/core/time.h"
+
+namespace kinect_ekf_slam {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+/// A planar estimate says nothing of z, roll and pitch: the floor is taken for flat to this variance, m^2 and
+/// rad^2, so that no consumer reads certainty where nothing was measured.
+constexpr double kPlanarVariance = 1e-4;
+
+/// A pose in three dimensions, whatever space it was estimated in.
+struct Pose3d {
+  TimeNs stamp = 0;
+  Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
+  /// REP-103: (x, y, z, roll, pitch, yaw) in the map's axes, m^2 and rad^2.
+  Matrix6d covariance = Matrix6d::Identity() * kPlanarVariance;
+};
+
+/// A landmark of the map in three dimensions.
+struct Landmark3d {
+  int id = kNoId;
+  int source_id = kNoId;
+  std::string label;
+  double radius = 0.0;  ///< m, 0: unknown
+  std::uint32_t observations = 0;
+  Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity() * kPlanarVariance;  ///< m^2
+};
+
+/// What became of one detection.
+struct DetectionOutcome {
+  int source_id = kNoId;
+  Verdict verdict = Verdict::kInvalid;
+  int landmark_id = kNoId;
+  double nis = std::numeric_limits<double>::quiet_NaN();  ///< squared Mahalanobis distance to that landmark
+  Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();  ///< m, seen from the corrected pose
+};
+
+/// What the pipeline made of one frame.
+struct SlamResult {
+  Pose3d pose;
+  Eigen::Isometry3d dead_reckoned = Eigen::Isometry3d::Identity();  ///< the same run without any correction
+  bool looked = false;                                    ///< the frame carried detections, perhaps none
+  std::vector<DetectionOutcome> outcomes;                 ///< one a detection, in their order
+  double nis = std::numeric_limits<double>::quiet_NaN();  ///< of the joint update
+  int dof = 0;
+  bool finite = true;  ///< false: the estimate broke down and nothing of it may be used
+};
+
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <geometry_msgs/Point.h>
+#include <std_msgs/ColorRGBA.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <Eigen/Core>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "kinect_ekf_slam/pipeline/slam_result.h"
+
+namespace kinect_ekf_slam {
+
+/// Half axes (m) and heading (rad) of the ellipse that holds the points within `sigmas` of a 2-D Gaussian.
+struct Ellipse {
+  double major = 0.0;
+  double minor = 0.0;
+  double heading = 0.0;
+};
+
+/// Throws std::invalid_argument for a covariance that is not finite or not positive semi-definite.
+Ellipse ellipse(const Eigen::Matrix2d& covariance, double sigmas);
+
+/// The colour of a label: its own where it names one, else one that stays the same for the same label.
+std_msgs::ColorRGBA label_color(const std::string& label);
+
+/// What RViz shows of one moment.
+struct Scene {
+  std::vector<Landmark3d> map;
+  Pose3d pose;
+  std::vector<DetectionOutcome> outcomes;  ///< of the last frame with detections
+  std::vector<geometry_msgs::Point> path;
+  std::vector<geometry_msgs::Point> dead_reckoned_path;
+};
+
+/// Turns scenes into markers; remembers which landmarks are shown, to remove those that have gone.
+class MarkerPainter {
+ public:
+  MarkerPainter(std::string frame_id, double sigmas) : frame_id_(std::move(frame_id)), sigmas_(sigmas) {}
+
+  visualization_msgs::MarkerArray paint(const Scene& scene);
+  /// Removes everything that was ever painted.
+  visualization_msgs::MarkerArray clear();
+
+  void set_sigmas(double sigmas) { sigmas_ = sigmas; }
+
+ private:
+  visualization_msgs::Marker marker(const std::string& space, int id, int type) const;
+  void paint_landmarks(const Scene& scene, visualization_msgs::MarkerArray* array);
+  void paint_robot(const Scene& scene, visualization_msgs::MarkerArray* array) const;
+  void paint_associations(const Scene& scene, visualization_msgs::MarkerArray* array) const;
+  void paint_path(const std::string& space, const std::vector<geometry_msgs::Point>& points, double width,
+                  const std_msgs::ColorRGBA& color, visualization_msgs::MarkerArray* array) const;
+
+  std::string frame_id_;
+  double sigmas_;
+  ros::Time stamp_;
+  std::set<int> shown_;
+};
+
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "kinect_ekf_slam/pipeline/options.h"
+#include "kinect_ekf_slam/pipeline/sensor_frame.h"
+#include "kinect_ekf_slam/simulation/evaluation.h"
+#include "kinect_ekf_slam/simulation/simulator.h"
+
+namespace kinect_ekf_slam {
+
+/// The sample as the pipeline takes it, without the truth.
+SensorFrame to_sensor_frame(const Sample& sample, const World& world);
+
+/// Many simulated runs of one world through the pipeline, each with the truth at hand.
+struct RoomStudy {
+  World world;
+  PipelineOptions pipeline;
+  std::uint64_t first_seed = 1;
+  int seeds = 100;
+  std::function<void(double)> on_progress;  ///< share done, 0 to 1, from the calling thread; may be empty
+};
+
+/// What one run gave. All in the start's own frame: the map's origin is where the robot started.
+struct RoomRun {
+  std::uint64_t seed = 0;
+  MapComparison map;
+  double path_rmse = 0.0;    ///< m, at the times of the detections, from the first move on
+  std::vector<double> nees;  ///< of the pose (x, y, yaw) at the same times: e^T P^-1 e
+  double nees_mean = 0.0;
+  double seconds = 0.0;  ///< of simulated time
+};
+
+/// Runs all seeds on all cores; the results come in the order of the seeds.
+std::vector<RoomRun> run_study(const RoomStudy& study);
+
+/// Mean, median and worst over the runs.
+struct Spread {
+  double mean = 0.0;
+  double median = 0.0;
+  double worst = 0.0;
+};
+
+struct RoomSummary {
+  std::size_t runs = 0;
+  std::size_t true_landmarks = 0;
+  double exact_count_share = 0.0;  ///< of the runs whose map has every landmark once and nothing else
+  Spread missed;
+  Spread spurious;
+  Spread landmark_rmse_aligned;  ///< m
+  Spread landmark_rmse_start;    ///< m
+  Spread path_rmse;              ///< m
+  Spread nees;                   ///< 3 when consistent
+  /// Where the mean over the runs lies at any one time with 95 % probability, if the estimate is consistent;
+  /// and the share of the times at which it lies there.
+  double nees_low = 0.0;
+  double nees_high = 0.0;
+  double nees_inside_share = 0.0;
+};
+
+RoomSummary summarize(const std::vector<RoomRun>& runs);
+
+/// For people, and the same figures with those of every run for programs.
+std::string to_table(const RoomSummary& summary);
+std::string to_json(const RoomSummary& summary, const std::vector<RoomRun>& runs);
+
+}  // namespace kinect_ekf_slam

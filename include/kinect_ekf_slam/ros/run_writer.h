@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "kinect_ekf_slam/pipeline/sensor_frame.h"
+#include "kinect_ekf_slam/pipeline/slam_result.h"
+
+namespace kinect_ekf_slam {
+
+/// Writes what a run produced as files for evaluation: `trajectory.tum`, `trajectory_covariance.csv`,
+/// `dead_reckoning.tum`, `landmarks.csv`, `associations.csv`, `summary.json`. Files appear under their names
+/// only when complete. Throws std::runtime_error, naming the file, when one cannot be written.
+class RunWriter {
+ public:
+  /// `trajectory_rate` in Hz besides the frames with detections; 0: every frame.
+  RunWriter(const std::string& directory, double trajectory_rate);
+  ~RunWriter();
+  RunWriter(const RunWriter&) = delete;
+  RunWriter& operator=(const RunWriter&) = delete;
+
+  /// Forgets what was added: a new run begins.
+  void restart();
+
+  void add(const SensorFrame& frame, const SlamResult& result);
+
+  struct Summary {
+    std::string bag;
+    double wall_seconds = 0.0;
+    double cpu_seconds = 0.0;
+    double data_seconds = 0.0;
+    std::vector<double> update_milliseconds;  ///< of each frame with detections
+    std::map<std::string, std::uint64_t> refusals;
+    std::map<std::string, std::uint64_t> accepted;
+  };
+  void finish(const std::vector<Landmark3d>& map, const Summary& summary);
+
+ private:
+  struct File {
+    std::string name;
+    std::string text;
+  };
+  void write_landmarks(const std::vector<Landmark3d>& map);
+  void write_summary(const std::vector<Landmark3d>& map, const Summary& summary);
+
+  std::string directory_;
+  TimeNs period_;
+  TimeNs last_written_ = 0;
+  bool has_written_ = false;
+  std::uint64_t frames_ = 0;
+  std::uint64_t detection_frames_ = 0;
+  std::vector<std::uint64_t> verdicts_ = std::vector<std::uint64_t>(kVerdictCount, 0);
+  File trajectory_{"trajectory.tum", ""};
+  File covariance_{"trajectory_covariance.csv", ""};
+  File dead_reckoning_{"dead_reckoning.tum", ""};
+  File associations_{"associations.csv", ""};
+  File landmarks_{"landmarks.csv", ""};
+  File summary_{"summary.json", ""};
+};
+
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/TransformStamped.h>
+#include <kinect_ekf_slam/LandmarkDetectionArray.h>
+#include <kinect_ekf_slam/LandmarkMap.h>
+#include <nav_msgs/Odometry.h>
+#include <ros/time.h>
+#include <sensor_msgs/Imu.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <vector>
+
+#include "kinect_ekf_slam/simulation/simulator.h"
+
+namespace kinect_ekf_slam {
+
+/// Topics of a simulated robot, besides those that sync/* names; relative.
+namespace simulation_topics {
+constexpr const char* kOdometry = "odom";
+constexpr const char* kImu = "imu";
+constexpr const char* kLandmarks = "landmarks";
+constexpr const char* kTruePose = "ground_truth/pose";
+constexpr const char* kTrueLandmarks = "ground_truth/landmarks";
+constexpr const char* kCommand = "cmd_vel";
+}  // namespace simulation_topics
+
+/// Samples as a robot's messages: the same for a bag and for the live node.
+///
+/// Frames: odom -> base_footprint moves, imu_link and kinect_rgb_optical_frame are mounted on base_footprint.
+/// The ground truth has the frame `map`, but is in world coordinates: a map that starts at the robot differs
+/// from it by the robot's start, so comparing needs an alignment.
+class SimulationMessages {
+ public:
+  /// `start` is the time of the sample with stamp zero.
+  SimulationMessages(const World& world, TimeNs start) : world_(world), start_(start) {}
+
+  ros::Time stamp(const Sample& sample) const;
+
+  /// The sample must have odometry.
+  nav_msgs::Odometry odometry(const Sample& sample) const;
+  geometry_msgs::TransformStamped odom_from_base(const Sample& sample) const;
+  /// The sample must have a gyro rate. Orientation and acceleration are marked as not measured.
+  sensor_msgs::Imu imu(const Sample& sample) const;
+  /// The sample must have sightings, perhaps none.
+  LandmarkDetectionArray landmarks(const Sample& sample) const;
+
+  geometry_msgs::PoseStamped true_pose(const Sample& sample) const;
+  LandmarkMap true_landmarks() const;
+  /// base_footprint to imu_link and to kinect_rgb_optical_frame.
+  std::vector<geometry_msgs::TransformStamped> mountings() const;
+
+  /// The true cylinders and walls for RViz, seen from the robot's start: they lie over an estimated map,
+  /// whose origin that is.
+  visualization_msgs::MarkerArray markers() const;
+
+ private:
+  World world_;
+  TimeNs start_;
+};
+
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <dynamic_reconfigure/server.h>
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <kinect_ekf_slam/LoadMap.h>
+#include <kinect_ekf_slam/SaveMap.h>
+#include <kinect_ekf_slam/SetMode.h>
+#include <kinect_ekf_slam/SlamConfig.h>
+#include <nav_msgs/Path.h>
+#include <ros/ros.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <boost/thread/recursive_mutex.hpp>
+#include <memory>
+#include <string>
+
+#include "kinect_ekf_slam/ros/health.h"
+#include "kinect_ekf_slam/ros/markers.h"
+#include "kinect_ekf_slam/ros/slam_session.h"
+#include "kinect_ekf_slam/ros/trail.h"
+
+namespace kinect_ekf_slam {
+
+/// The live shell round a SlamSession: subscriptions in, topics, tf and services out. One thread.
+class SlamNode {
+ public:
+  /// Throws std::runtime_error with one line when a map that should be loaded cannot be.
+  SlamNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle, tf2_ros::Buffer* transforms,
+           const RunOptions& options);
+
+  /// Saves the map if map/save_at_exit.
+  void shut_down();
+
+ private:
+  void connect();
+  /// Notices a clock that went back (simulated time), and starts anew then.
+  ros::Time now();
+  std::optional<Eigen::Isometry3d> base_from(const std::string& target, const std::string& source,
+                                             const ros::Time& stamp);
+
+  void on_odometry(const nav_msgs::Odometry::ConstPtr& message);
+  void on_imu(const sensor_msgs::Imu::ConstPtr& message);
+  void on_landmarks(const LandmarkDetectionArray::ConstPtr& message);
+  void on_initial_pose(const geometry_msgs::PoseWithCovarianceStamped::ConstPtr& message);
+  void on_result(const SensorFrame& frame, const SlamResult& result);
+  void on_live_change(const SlamConfig& config);
+
+  bool save_map(SaveMap::Request& request, SaveMap::Response& response);
+  bool load_map(LoadMap::Request& request, LoadMap::Response& response);
+  bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  bool pause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
+  bool set_mode(SetMode::Request& request, SetMode::Response& response);
+
+  void forget_what_was_shown();
+  void publish_pose(const nav_msgs::Odometry& odometry);
+  void publish_transform(const Pose3d& pose, const geometry_msgs::Pose& odom_from_base);
+  void publish_scene();
+  std::string save(const std::string& file_name);
+
+  ros::NodeHandle handle_;
+  ros::NodeHandle private_handle_;
+  tf2_ros::Buffer* transforms_;
+  RunOptions options_;
+  SlamSession session_;
+  Health health_;
+  MarkerPainter painter_;
+  Trail path_;
+  Trail dead_reckoned_path_;
+  nav_msgs::Path path_message_;
+  std::vector<DetectionOutcome> last_outcomes_;
+
+  bool paused_ = false;
+  bool finite_ = true;
+  bool scene_changed_ = true;
+  ros::Time last_now_;
+  ros::Time last_transform_;
+  std::map<std::string, ros::WallTime> unknown_since_;  ///< frames that tf did not know when last waited for
+
+  std::vector<ros::Subscriber> subscribers_;
+  std::vector<ros::ServiceServer> services_;
+  ros::Publisher pose_publisher_;
+  ros::Publisher odometry_publisher_;
+  ros::Publisher path_publisher_;
+  ros::Publisher map_publisher_;
+  ros::Publisher marker_publisher_;
+  ros::Publisher association_publisher_;
+  tf2_ros::TransformBroadcaster broadcaster_;
+  ros::Timer scene_timer_;
+  diagnostic_updater::Updater diagnostics_;
+  ros::WallTimer diagnostics_timer_;
+  boost::recursive_mutex live_mutex_;
+  std::unique_ptr<dynamic_reconfigure::Server<SlamConfig>> live_;
+};
+
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kinect_ekf_slam/core/landmark.h"
+#include "kinect_ekf_slam/core/se2.h"
+#include "kinect_ekf_slam/core/space.h"
+#include "kinect_ekf_slam/core/time.h"
+#include "kinect_ekf_slam/simulation/random_stream.h"
+#include "kinect_ekf_slam/simulation/waypoint_driver.h"
+#include "kinect_ekf_slam/simulation/world.h"
+
+namespace kinect_ekf_slam {
+
+/// One cylinder as the simulated detector reports it, in the sensor's optical axes.
+struct Sighting {
+  Eigen::Vector3d position_in_optical = Eigen::Vector3d::Zero();    ///< m
+  Eigen::Matrix3d covariance_in_optical = Eigen::Matrix3d::Zero();  ///< m^2; zero: not reported
+  std::string label;
+  double radius = 0.0;  ///< m
+  double score = 1.0;
+  int id = kNoId;  ///< the true landmark; kNoId: there is none, or sensor/reports_identity is off
+};
+
+/// What the wheels say of the robot's way.
+struct WheelOdometry {
+  Se2 odom_from_base;
+  BodyVelocity velocity;  ///< mean since the last odometry, in the base's axes
+};
+
+/// What is to be had at one time: the truth, and the readings of the sensors that are due.
+struct Sample {
+  TimeNs stamp = 0;  ///< from the start of the run
+  Se2 world_from_base;
+  std::optional<WheelOdometry> odometry;
+  std::optional<Eigen::Vector3d> gyro_rate_in_imu;  ///< rad/s
+  std::optional<std::vector<Sighting>> sightings;   ///< empty: looked, saw nothing
+};
+
+/// The sighting as the estimators take it.
+Detection to_detection(const Sighting& sighting, const Eigen::Isometry3d& base_from_optical);
+
+/// A robot that drives in a world, and its sensors. The same world and seed give the same samples.
+class Simulator {
+ public:
+  Simulator(const World& world, std::uint64_t seed);
+
+  /// Goes on to the next time at which a sensor is due. Samples come in the order of their stamps.
+  Sample next();
+
+  /// Takes the wheel from the waypoints: the robot strives for this velocity (forward and turning) from now
+  /// on.
+  void set_command(const BodyVelocity& velocity) { command_ = velocity; }
+
+  /// Stands at the last waypoint. Never so while it is driven by commands.
+  bool finished() const;
+
+  const World& world() const { return world_; }
+
+ private:
+  /// When something that happens at a steady rate is next due.
+  struct Ticker {
+    double rate;  ///< Hz
+    std::int64_t count = 0;
+    TimeNs due() const { return to_nanoseconds(static_cast<double>(count) / rate); }
+    bool take(TimeNs stamp) { return due() == stamp && ++count > 0; }
+  };
+
+  void advance(TimeNs stamp);
+  void choose_velocity();
+  bool is_free(const Se2& world_from_base) const;
+  WheelOdometry read_wheels();
+  double read_wheel(int wheel, double travel);
+  Eigen::Vector3d read_gyro();
+  std::vector<Sighting> look();
+  std::optional<Sighting> see(const WorldLandmark& landmark, const Eigen::Isometry3d& world_from_optical);
+  bool is_hidden(const WorldLandmark& landmark, const Eigen::Vector3d& sensor_in_world) const;
+  Sighting imagine();
+  std::string other_label(const std::string& label);
+
+  World world_;
+  std::vector<std::string> labels_;  ///< all that occur, each once
+  WaypointDriver driver_;
+  std::optional<BodyVelocity> command_;
+  RandomStream wheel_random_;
+  RandomStream gyro_random_;
+  RandomStream sensor_random_;
+  Ticker odometry_ticker_;
+  Ticker gyro_ticker_;
+  Ticker sensor_ticker_;
+
+  TimeNs now_ = 0;
+  Se2 world_from_base_;
+  BodyVelocity velocity_;  ///< true, held until the next odometry
+  Se2 odom_from_base_;
+  TimeNs last_odometry_ = 0;
+  Eigen::Vector2d travel_ = Eigen::Vector2d::Zero();  ///< m of the left and right wheel since then
+  Eigen::Vector2d wheel_scale_;
+  int slipping_wheel_ = 0;
+  TimeNs slip_end_ = 0;
+  Eigen::Vector3d gyro_scale_;
+  Eigen::Vector3d gyro_bias_in_imu_;  ///< rad/s
+  double gyro_bias_time_ = 0.0;       ///< s until which the bias has walked
+};
+
+}  // namespace kinect_ekf_slam

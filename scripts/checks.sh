@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# Style and structure: clang-format, clang-tidy, catkin_lint, who may include what. Writes build/test_results/checks.xml.
+#   build/devel/env.sh scripts/checks.sh [--quick]     --quick leaves out clang-tidy
+set -uo pipefail
+cd "$(dirname "$0")/.."
+results=build/test_results/checks.xml
+log=build/checks
+mkdir -p "$(dirname "$results")" "$log"
+cases=""
+
+# check NAME COMMAND...: passes when the command exits with 0; shows its output when not.
+check() {
+  local name=$1; shift
+  if "$@" >"$log/$name.log" 2>&1; then
+    echo "ok      $name"
+    cases+="<testcase classname='checks' name='$name'/>"
+  else
+    echo "FAILED  $name"; head -n 30 "$log/$name.log"
+    cases+="<testcase classname='checks' name='$name'><failure message='see build/checks/$name.log'/></testcase>"
+  fi
+}
+
+sources() { git ls-files -co --exclude-standard -- 'include/*.h' 'src/*.cpp' 'test/*.h' 'test/*.cpp' | while read -r f; do [ -e "$f" ] && echo "$f"; done; }
+
+format() { sources | xargs clang-format --dry-run --Werror; }
+
+# A checkout may have any name, tools for the checkout are not installed, and the build keeps includes in their order.
+lint() { catkin_lint -W2 --strict --ignore package_path_name --ignore uninstalled_script . 2>&1 | grep -v "rosdep\|unknown dependencies" | tee /dev/stderr | { ! grep -q "error\|warning"; }; }
+
+# The core has no ROS, no OpenCV, no Ceres; the build itself keeps the folders in their order.
+no_ros_below() {
+  ! grep -nE '#include *[<"](ros/|tf2|rosbag|message_filters|opencv2|ceres/|[a-z_]+_msgs/|kinect_ekf_slam/[A-Z])' -r \
+    include/kinect_ekf_slam/{core,models,association,estimators,mapping,pipeline,simulation} \
+    src/{core,models,association,estimators,mapping,pipeline,simulation}
+}
+
+headers_stand_alone() {
+  local failed=0 header
+  for header in $(git ls-files 'include/*.h' | grep -v /ros/); do
+    echo "#include \"${header#include/}\"" | g++ -std=c++17 -fsyntax-only -x c++ -Iinclude -isystem /usr/include/eigen3 - ||
+      { echo "$header does not compile alone"; failed=1; }
+  done
+  return $failed
+}
+
+tidy() {
+  # One header of message_filters and boost a file: two processes, a few minutes.
+  git ls-files 'src/*.cpp' | xargs -P "${JOBS:-2}" -n 4 clang-tidy --quiet -p build
+}
+
+check clang_format format
+check catkin_lint lint
+check layers_know_no_ros no_ros_below
+check headers_stand_alone headers_stand_alone
+check readme_parameters scripts/update_readme.py --check
+[ "${1:-}" = --quick ] || check clang_tidy tidy
+echo "<testsuite name='checks'>$cases</testsuite>" >"$results"

@@ -1,0 +1,89 @@
+#!/usr/bin/python3
+"""Compares what slam_replay wrote to DIR with the truth in a bag.
+
+Prints a table and writes DIR/evaluation.json and DIR/evaluation.png.
+"""
+import os
+import sys
+
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+if __name__ == "__main__":
+    from slam_tools.environment import use_system_python
+    use_system_python()
+
+from slam_tools import cli
+from slam_tools.evaluation import evaluate, read_estimate, read_truth, table, write_metrics
+
+DEFINITIONS = """\
+truth
+  The path is /ground_truth/pose (geometry_msgs/PoseStamped), interpolated linearly at the stamps of the
+  estimate; stamps outside of it or in a gap longer than 0.5 s are skipped. Without it (or where its
+  quaternions are zero) the first topic of sensor_msgs/NavSatFix gives positions, east, north and up of the
+  first fix; the estimate is then interpolated at their stamps. The landmarks are the last message on
+  /ground_truth/landmarks (kinect_ekf_slam/LandmarkMap); identity is source_id, or else id.
+
+alignment
+  se2   least-squares rigid transform in the plane (Umeyama 1991, without scale); errors in x, y and yaw
+        (default)
+  se3   the same in space; errors in x, y, z and the rotation
+  none  compares in the given frames; in the plane when the estimate stays in it, else in space
+  Path, dead reckoning and landmarks are aligned each for itself, landmarks by their matched pairs. The
+  _start_ figures are not fitted: the first estimated pose is put on the true pose of that time, and nothing
+  else is done.
+
+landmarks
+  A landmark's identity is the source_id that most of its accepted detections (matched, created) carried; it
+  matches the true landmark of that identity. Of several with one identity the one with most observations
+  matches, the others are spurious. Landmarks without identity match as mutual nearest neighbours within 0.5 m
+  among the true ones that are left, after the alignment of the path (without a true path: after the alignment
+  that brings most of them together), again after the alignment by the pairs, until the pairs stay.
+
+evaluation.json, null where unknown
+  ate_rmse_m, ate_rmse_start_m               root mean square of the position error of the path
+  dead_reckoning_ate_rmse_m                  the same of dead_reckoning.tum
+  heading_rmse_deg                           root mean square of the yaw error
+  landmark_rmse_m, landmark_max_m,           position error of the matched landmarks
+  landmark_rmse_start_m
+  landmarks_estimated, landmarks_true        counts
+  landmarks_missed, landmarks_spurious       true ones without an estimate, estimates without a true one
+  association_accuracy                       of the accepted detections with a source_id, the share whose
+                                             landmark matches the true landmark of that identity; with a
+                                             landmark that is no longer in the map, or spurious, it is wrong
+  pose_nees_mean, pose_nees_start_mean       mean of e^T P^-1 e, with 3 degrees of freedom (x, y, yaw) in the
+                                             plane and 6 in space; a consistent estimate has the degrees of
+                                             freedom for mean. Poses with a singular covariance are skipped.
+                                             The covariance is relative to the start, so pose_nees_start_mean
+                                             is the one to judge by
+  path_length_m, duration_s                  of the true path where it was compared; of the estimated path
+                                             where the truth is positions only (their noise lengthens it) or
+                                             not there
+  align                                      none, se2 or se3
+"""
+
+
+def main():
+    parser = cli.ArgumentParser(description=__doc__, epilog=DEFINITIONS)
+    parser.add_argument("folder", metavar="DIR",
+                        help="folder that slam_replay wrote; gets evaluation.json and evaluation.png")
+    parser.add_argument("--truth", metavar="BAG", required=True, help="bag with the ground truth")
+    parser.add_argument("--align", choices=("none", "se2", "se3"), default="se2",
+                        help="how the estimate is brought into the frame of the truth (default: %(default)s)")
+    parser.add_argument("--sigmas", metavar="N", type=float, default=3.0,
+                        help="size of the bands and ellipses in the picture (default: %(default)g)")
+    arguments = parser.parse_args()
+    if not 0.0 < arguments.sigmas <= 100.0:
+        parser.error(f"--sigmas is {arguments.sigmas:g}; a number above 0, at most 100, is needed")
+
+    estimate = read_estimate(arguments.folder)
+    truth = read_truth(arguments.truth)
+    evaluation = evaluate(estimate, truth, arguments.align)
+    write_metrics(evaluation.metrics, os.path.join(arguments.folder, "evaluation.json"))
+
+    from slam_tools.plots import draw_evaluation   # late: matplotlib takes a while to load
+    with cli.atomic_output(os.path.join(arguments.folder, "evaluation.png")) as path:
+        draw_evaluation(path, estimate, truth, evaluation, arguments.sigmas)
+    print("\n".join(table(evaluation.metrics)))
+
+
+if __name__ == "__main__":
+    cli.run(main)

@@ -1,0 +1,126 @@
+#!/usr/bin/python3
+"""Runs the package on recorded data by others and prints how well it does, beside what it has to reach.
+
+MRCLAM dataset 6 (five robots, known identities, one configuration), a TurtleBot3 among nine cylinders, a Husky by
+dead reckoning against GPS. The data are not part of the package: --data, else the environment variable SLAM_DATA,
+names the folder; without it there is nothing to do.
+"""
+import argparse
+import json
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+if __name__ == "__main__":
+    from slam_tools.environment import use_system_python
+    use_system_python()
+
+ROOT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
+PYTHON = "/usr/bin/python3"
+ROBOTS = (1, 2, 3, 4, 5)
+HEADING_SOURCES = ("odometry", "gyrodometry", "gyrodometry_report", "imu")
+
+
+def default_data():
+    """The data folder that the environment names, or the one beside the package's root."""
+    return os.environ.get("SLAM_DATA", os.path.join(os.path.dirname(ROOT), "shared", "data"))
+
+
+def script(name, *arguments):
+    subprocess.run([PYTHON, os.path.join(ROOT, "scripts", name), *arguments], check=True, stdout=subprocess.DEVNULL)
+
+
+def replay(bag, truth, config, directory, *settings):
+    """Replays a bag, evaluates it, and returns evaluation.json with summary.json under "summary"."""
+    slam_replay = os.path.join(ROOT, "build", "devel", "lib", "kinect_ekf_slam", "slam_replay")
+    command = [slam_replay, bag, "--config", os.path.join(ROOT, "config", config), "--out", directory]
+    for setting in settings:
+        command += ["--set", setting]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    script("evaluate.py", directory, "--truth", truth)
+    with open(os.path.join(directory, "evaluation.json"), encoding="utf-8") as file:
+        result = json.load(file)
+    with open(os.path.join(directory, "summary.json"), encoding="utf-8") as file:
+        result["summary"] = json.load(file)
+    return result
+
+
+def mrclam(data, out, settings=()):
+    """Results of the five robots of MRCLAM 6."""
+    def one(robot):
+        bag = os.path.join(out, f"mrclam6_{robot}.bag")
+        if not os.path.exists(bag):
+            script("mrclam_to_bag.py", os.path.join(data, "mrclam6"), str(robot), bag)
+        return replay(bag, bag, "mrclam.yaml", os.path.join(out, f"mrclam6_{robot}"), *settings)
+    with ThreadPoolExecutor(2) as pool:
+        return list(pool.map(one, ROBOTS))
+
+
+def turtlebot3(data, out, settings=()):
+    bag = os.path.join(out, "turtlebot3.bag")
+    if not os.path.exists(bag):
+        script("turtlebot3_truth.py", os.path.join(data, "bags", "turtlebot3_world.bag"), bag)
+    return replay(bag, bag, "turtlebot3.yaml", os.path.join(out, "turtlebot3"), *settings)
+
+
+def husky(data, out):
+    """Result of each heading source."""
+    bag = os.path.join(data, "bags", "husky_outdoor.bag")
+    return {source: replay(bag, bag, "husky.yaml", os.path.join(out, "husky_" + source),
+                           "input/heading_source=" + source) for source in HEADING_SOURCES}
+
+
+def mean(results, key):
+    return sum(result[key] for result in results) / len(results)
+
+
+def print_mrclam(results):
+    print("MRCLAM 6, known identities, config/mrclam.yaml, aligned in SE(2)")
+    print("  robot   path ATE (m)   dead reckoning (m)   landmarks (m)   pose NEES   times real time")
+    for robot, result in zip(ROBOTS, results):
+        print(f"  {robot:5d} {result['ate_rmse_m']:14.3f} {result['dead_reckoning_ate_rmse_m']:20.3f} "
+              f"{result['landmark_rmse_m']:15.3f} {result['pose_nees_mean']:11.2f} "
+              f"{result['summary']['times_real_time']:17.0f}")
+    print(f"   mean {mean(results, 'ate_rmse_m'):14.3f} {mean(results, 'dead_reckoning_ate_rmse_m'):20.3f} "
+          f"{mean(results, 'landmark_rmse_m'):15.3f} {mean(results, 'pose_nees_mean'):11.2f}")
+    print("  goal    <= 0.21, worst <= 0.33                        <= 0.08     1.5 to 5             >= 500")
+
+
+def print_turtlebot3(result):
+    print("TurtleBot3, laser, unknown identities, config/turtlebot3.yaml, aligned in SE(2)")
+    print(f"  landmarks {result['landmarks_estimated']} of {result['landmarks_true']}, largest error "
+          f"{result['landmark_max_m']:.3f} m (goal: exactly 9, <= 0.05 m); path ATE {result['ate_rmse_m']:.3f} m")
+
+
+def print_husky(results):
+    print("Husky, dead reckoning against GPS, config/husky.yaml (goal: about 6.9 m by wheels, 3.2 m by gyro)")
+    for source, result in results.items():
+        print(f"  {source:20s} path ATE {result['ate_rmse_m']:.2f} m")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", default=default_data(), help="folder of the recorded data (default: SLAM_DATA)")
+    parser.add_argument("--out", default=os.path.join(ROOT, "runs", "real_data"), help="folder for bags and results")
+    parser.add_argument("--set", nargs="+", default=[], metavar="group/key=value", dest="settings",
+                        help="parameters to try, over the configurations")
+    arguments = parser.parse_args()
+    if not os.path.isdir(arguments.data):
+        print(f"evaluate_real_data.py: skipped: no recorded data in {arguments.data} (set SLAM_DATA)")
+        return 0
+    os.makedirs(arguments.out, exist_ok=True)
+    try:
+        print_mrclam(mrclam(arguments.data, arguments.out, arguments.settings))
+        print_turtlebot3(turtlebot3(arguments.data, arguments.out, arguments.settings))
+        print_husky(husky(arguments.data, arguments.out))
+    except (OSError, subprocess.CalledProcessError) as error:
+        print(f"evaluate_real_data.py: {error}", file=sys.stderr)
+        return 2
+    print(f"Pictures and files: {os.path.relpath(arguments.out)}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

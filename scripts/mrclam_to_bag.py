@@ -1,0 +1,214 @@
+#!/usr/bin/python3
+"""Turns one robot of a UTIAS MRCLAM dataset into a bag for slam_replay and slam_node.
+
+The dataset (Leung et al., "The UTIAS multi-robot cooperative localization and mapping dataset", IJRR 30(8),
+2011) is a folder with RobotN_Odometry.dat, RobotN_Measurement.dat, RobotN_Groundtruth.dat (optional),
+Barcodes.dat and Landmark_Groundtruth.dat. The bag holds
+
+  /odom                    nav_msgs/Odometry in frame odom, child base_footprint. Velocities as recorded, the
+                           pose integrated along exact arcs. A row holds until the next one: gaps longer than
+                           0.05 s are filled with repeated samples every 0.05 s. Of rows with the same stamp
+                           the last one counts.
+  /landmarks               kinect_ekf_slam/LandmarkDetectionArray in frame base_footprint. Rows less than 0.02
+                           s after the first one of a group are one array. id is the subject number of the
+                           barcode (6..20), -1 where no subject has the barcode. Sightings of robots (subjects
+                           1..5) are left out; an array of nothing else stays, empty. Covariance zero: the
+                           sensor model of the parameters counts.
+  /ground_truth/pose       geometry_msgs/PoseStamped in frame map, when the dataset has it (about 100 Hz)
+  /ground_truth/landmarks  kinect_ekf_slam/LandmarkMap in frame map, once at the start
+"""
+import os
+import sys
+
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+if __name__ == "__main__":
+    from slam_tools.environment import use_system_python
+    use_system_python()
+
+import heapq
+
+import numpy as np
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Odometry
+
+from slam_tools import cli
+from slam_tools.bags import (TRUE_LANDMARKS_TOPIC, TRUE_POSE_TOPIC, BagWriter, fill_pose,
+                             time_from_nanoseconds)
+from slam_tools.environment import package_messages
+from slam_tools.geometry import integrate_arcs, quaternion_from_yaw
+from slam_tools.tables import read_numbers
+
+ROBOT_SUBJECTS = range(1, 6)
+LONGEST_GAP = 50_000_000      # ns, between odometry samples
+GROUP_DURATION = 20_000_000   # ns, of the measurement rows of one array
+
+# Standard deviations of the recorded velocities, and of the integrated pose per distance and per angle
+# travelled. The robot drives on a floor: what moves out of the plane is small.
+SPEED_STD, TURN_RATE_STD, OUT_OF_PLANE_STD = 0.02, 0.1, 0.001   # m/s, rad/s, and m, rad, m/s or rad/s
+START_STD, DRIFT = 0.01, 0.05
+
+
+def nanoseconds(seconds):
+    """Stamps as whole nanoseconds; the files' resolution is a millisecond."""
+    return np.rint(np.asarray(seconds) * 1e6).astype(np.int64) * 1000
+
+
+def keep_last_of_repeated_stamps(table):
+    return table[np.append(np.diff(table[:, 0]) > 0.0, True)[:len(table)]]
+
+
+def fill_gaps(stamps, speeds, turn_rates):
+    """Repeats a row every LONGEST_GAP until the next row comes."""
+    samples = np.ones(len(stamps), dtype=np.int64)
+    samples[:-1] = np.maximum(-(-np.diff(stamps) // LONGEST_GAP), 1)   # rounded up
+    row = np.repeat(np.arange(len(stamps)), samples)
+    position_in_row = np.arange(len(row)) - np.repeat(np.cumsum(samples) - samples, samples)
+    return stamps[row] + position_in_row * LONGEST_GAP, speeds[row], turn_rates[row]
+
+
+def odometry_messages(rows):
+    """(receipt time in ns, message) for rows of time, speed, turn rate."""
+    stamps, speeds, turn_rates = fill_gaps(nanoseconds(rows[:, 0]), rows[:, 1], rows[:, 2])
+    durations = np.diff(stamps) * 1e-9
+    poses = integrate_arcs(durations, speeds[:-1], turn_rates[:-1])
+    quaternions = quaternion_from_yaw(poses[:, 2])
+    distance = np.append(0.0, np.cumsum(np.abs(speeds[:-1]) * durations))
+    angle = np.append(0.0, np.cumsum(np.abs(turn_rates[:-1]) * durations))
+    position_variance = START_STD**2 + (DRIFT * distance)**2
+    yaw_variance = START_STD**2 + (DRIFT * angle)**2
+    twist_covariance = [0.0] * 36
+    twist_covariance[::7] = [SPEED_STD**2] + 4 * [OUT_OF_PLANE_STD**2] + [TURN_RATE_STD**2]
+
+    for i, stamp in enumerate(stamps):
+        message = Odometry()
+        message.header.seq = i
+        message.header.stamp = time_from_nanoseconds(stamp)
+        message.header.frame_id = "odom"
+        message.child_frame_id = "base_footprint"
+        fill_pose(message.pose.pose, (poses[i, 0], poses[i, 1], 0.0), quaternions[i])
+        message.pose.covariance[::7] = [position_variance[i], position_variance[i], OUT_OF_PLANE_STD**2,
+                                        OUT_OF_PLANE_STD**2, OUT_OF_PLANE_STD**2, yaw_variance[i]]
+        message.twist.twist.linear.x = speeds[i]
+        message.twist.twist.angular.z = turn_rates[i]
+        message.twist.covariance = twist_covariance
+        yield int(stamp), "/odom", message
+
+
+def group_starts(stamps):
+    """Index of the first row of every group, and the number of rows at the end."""
+    starts = []
+    for i, stamp in enumerate(stamps):
+        if not starts or stamp - stamps[starts[-1]] >= GROUP_DURATION:
+            starts.append(i)
+    return starts + [len(stamps)]
+
+
+def detection_messages(rows, subjects, messages):
+    """(receipt time in ns, message) for rows of time, subject, range, bearing; robots are left out."""
+    stamps = nanoseconds(rows[:, 0])
+    x = rows[:, 2] * np.cos(rows[:, 3])
+    y = rows[:, 2] * np.sin(rows[:, 3])
+    starts = group_starts(stamps)
+    for group, (first, end) in enumerate(zip(starts[:-1], starts[1:])):
+        message = messages.LandmarkDetectionArray()
+        message.header.seq = group
+        message.header.stamp = time_from_nanoseconds(stamps[first])
+        message.header.frame_id = "base_footprint"
+        for i in range(first, end):
+            if subjects[i] in ROBOT_SUBJECTS:
+                continue
+            detection = messages.LandmarkDetection(id=int(subjects[i]), score=1.0)
+            detection.position.x, detection.position.y = x[i], y[i]
+            message.detections.append(detection)
+        yield int(stamps[first]), "/landmarks", message
+
+
+def true_pose_messages(rows):
+    """(receipt time in ns, message) for rows of time, x, y, yaw."""
+    stamps = nanoseconds(rows[:, 0])
+    quaternions = quaternion_from_yaw(rows[:, 3])
+    for i, stamp in enumerate(stamps):
+        message = PoseStamped()
+        message.header.seq = i
+        message.header.stamp = time_from_nanoseconds(stamp)
+        message.header.frame_id = "map"
+        fill_pose(message.pose, (rows[i, 1], rows[i, 2], 0.0), quaternions[i])
+        yield int(stamp), TRUE_POSE_TOPIC, message
+
+
+def true_landmark_map(rows, stamp, messages):
+    """The map message of rows of subject, x, y and their standard deviations."""
+    message = messages.LandmarkMap()
+    message.header.stamp = time_from_nanoseconds(stamp)
+    message.header.frame_id = "map"
+    for subject, x, y, std_x, std_y in rows:
+        landmark = messages.Landmark(id=int(subject), source_id=int(subject),
+                                     status=messages.Landmark.CONFIRMED)
+        landmark.position.x, landmark.position.y = x, y
+        landmark.covariance[0], landmark.covariance[4] = std_x**2, std_y**2
+        message.landmarks.append(landmark)
+    return message
+
+
+def convert(folder, robot, bag_path):
+    messages = package_messages()
+
+    def read(name, columns, optional=False, ordered_by_time=True):
+        path = os.path.join(folder, name)
+        if optional and not os.path.exists(path):
+            return np.empty((0, len(columns)))
+        rows = read_numbers(path, columns, ordered_by_time=ordered_by_time)
+        if not len(rows):
+            raise cli.InputError(f"{path}: holds no rows; rows of {' '.join(columns)} are needed")
+        return rows
+
+    if not os.path.isdir(folder):
+        raise cli.InputError(f"{folder}: no such folder; one with Robot{robot}_Odometry.dat is needed")
+    odometry = read(f"Robot{robot}_Odometry.dat", ("time", "speed", "turn_rate"))
+    measurements = read(f"Robot{robot}_Measurement.dat", ("time", "barcode", "range", "bearing"))
+    true_poses = read(f"Robot{robot}_Groundtruth.dat", ("time", "x", "y", "yaw"), optional=True)
+    barcodes = read("Barcodes.dat", ("subject", "barcode"), ordered_by_time=False)
+    true_landmarks = read("Landmark_Groundtruth.dat", ("subject", "x", "y", "std_x", "std_y"),
+                          ordered_by_time=False)
+
+    repeated = len(odometry)
+    odometry = keep_last_of_repeated_stamps(odometry)
+    repeated -= len(odometry)
+    subject_of_barcode = {int(barcode): int(subject) for subject, barcode in barcodes}
+    subjects = np.array([subject_of_barcode.get(int(barcode), -1) for barcode in measurements[:, 1]])
+    robots = int(np.isin(subjects, ROBOT_SUBJECTS).sum())
+
+    start = int(min(nanoseconds(table[0, 0]) for table in (odometry, measurements, true_poses) if len(table)))
+    streams = heapq.merge(odometry_messages(odometry),
+                          detection_messages(measurements, subjects, messages),
+                          true_pose_messages(true_poses), key=lambda item: item[0])
+    with BagWriter(bag_path) as bag:
+        bag.write(TRUE_LANDMARKS_TOPIC, true_landmark_map(true_landmarks, start, messages),
+                  time_from_nanoseconds(start), latched=True)
+        about = len(odometry) + len(true_poses) + len(group_starts(nanoseconds(measurements[:, 0])))
+        for stamp, topic, message in cli.progress(streams, about, "Writing"):
+            bag.write(topic, message, time_from_nanoseconds(stamp))
+
+    samples = bag.counts["/odom"]
+    poses = bag.counts.get(TRUE_POSE_TOPIC, 0)
+    print(f"/odom                    {samples:6d} messages: {len(odometry)} rows, {samples - len(odometry)} "
+          f"samples to fill gaps; {repeated} rows with a repeated stamp left out")
+    unlisted = int((subjects < 0).sum())
+    print(f"/landmarks               {bag.counts['/landmarks']:6d} messages: {len(subjects) - robots} "
+          f"detections, {unlisted} of them with an unlisted barcode; {robots} sightings of robots left out")
+    print(f"{TRUE_POSE_TOPIC}       {poses:6d} messages{'' if poses else ': the dataset has no such file'}")
+    print(f"{TRUE_LANDMARKS_TOPIC}       1 message: {len(true_landmarks)} landmarks")
+
+
+def main():
+    parser = cli.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", metavar="FOLDER", help="folder of the dataset")
+    parser.add_argument("robot", metavar="ROBOT", type=int, choices=range(1, 6),
+                        help="number of the robot, 1 to 5")
+    parser.add_argument("bag", metavar="OUT.bag", help="bag to write; one that exists is replaced")
+    arguments = parser.parse_args()
+    convert(arguments.folder, arguments.robot, arguments.bag)
+
+
+if __name__ == "__main__":
+    cli.run(main)

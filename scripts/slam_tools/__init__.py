@@ -1,0 +1,1 @@
+"""Shared parts of the package's offline tools (bags, geometry, evaluation, plots)."""

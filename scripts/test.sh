@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# Runs everything that can fail and ends with the line `N passed, N failed, N skipped`.
+#   scripts/test.sh [--quick]     --quick leaves out clang-tidy, which takes minutes
+# Recorded data by others are found through SLAM_DATA; without them their tests are skipped, visibly.
+set -uo pipefail
+cd "$(dirname "$0")/.."
+export PATH=/usr/bin:$PATH JOBS="${JOBS:-2}"
+quick=false
+[ "${1:-}" = --quick ] && quick=true
+
+export SLAM_DATA="${SLAM_DATA:-$(cd .. && pwd)/shared/data}"
+step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
+
+step "build, warnings are errors"
+scripts/build.sh -Dkinect_ekf_slam_WARNINGS_AS_ERRORS=ON >build-log.tmp 2>&1 && cmake --build build -j"$JOBS" --target tests >>build-log.tmp 2>&1
+built=$?
+mv -f build-log.tmp build/build.log
+if [ $built -ne 0 ]; then
+  grep -E 'error|Error' build/build.log | head -n 20
+  echo "0 passed, 1 failed, 0 skipped"
+  exit 1
+fi
+rm -rf build/test_results
+
+step "style and structure"
+checks=(scripts/checks.sh)
+$quick && checks+=(--quick)
+build/devel/env.sh "${checks[@]}"
+
+step "unit, contract, replay and ROS tests"
+build/devel/env.sh ctest --test-dir build --output-on-failure >build/ctest.log 2>&1 || grep -E 'FAILED|Failed|\*\*\*|FAIL:|Error' build/ctest.log | sort -u | head -n 40
+tail -n 12 build/ctest.log
+
+step "Python tests"
+build/devel/env.sh /usr/bin/python3 test/support/run_python_tests.py test/python build/test_results/python.xml
+
+step "sum"
+/usr/bin/python3 test/support/sum_results.py build/test_results

@@ -1,0 +1,23 @@
+#include "kinect_ekf_slam/association/associator.h"
+
+#include <stdexcept>
+
+#include "kinect_ekf_slam/association/known_identity.h"
+#include "kinect_ekf_slam/association/nearest_neighbor.h"
+
+namespace kinect_ekf_slam {
+
+template <class Space>
+std::unique_ptr<Associator<Space>> make_associator(const AssociationOptions& options) {
+  switch (options.type) {
+    case AssociationOptions::Type::kKnown:
+      return std::make_unique<KnownIdentity<Space>>(options);
+    case AssociationOptions::Type::kNearestNeighbor:
+      return std::make_unique<NearestNeighbor<Space>>(options);
+  }
+  throw std::invalid_argument("make_associator: unknown association type");
+}
+
+template std::unique_ptr<Associator<Planar>> make_associator<Planar>(const AssociationOptions&);
+
+}  // namespace kinect_ekf_slam

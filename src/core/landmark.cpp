@@ -1,0 +1,55 @@
+#include "kinect_ekf_slam/core/landmark.h"
+
+#include <algorithm>
+
+namespace kinect_ekf_slam {
+
+std::string LandmarkInfo::label() const {
+  const auto most =
+      std::max_element(label_votes.begin(), label_votes.end(),
+                       [](const auto& left, const auto& right) { return left.second < right.second; });
+  return most == label_votes.end() ? std::string() : most->first;
+}
+
+void LandmarkInfo::add(TimeNs stamp, const Signature& signature) {
+  last_seen = stamp;
+  ++observations;
+  if (source_id == kNoId) source_id = signature.source_id;
+  if (!signature.label.empty()) ++label_votes[signature.label];
+  if (signature.radius > 0.0) {
+    ++radius_observations;
+    radius += (signature.radius - radius) / radius_observations;
+  }
+}
+
+const char* to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kMatched:
+      return "matched";
+    case Verdict::kCreated:
+      return "created";
+    case Verdict::kOutOfRange:
+      return "out_of_range";
+    case Verdict::kOutsideGate:
+      return "outside_gate";
+    case Verdict::kAmbiguous:
+      return "ambiguous";
+    case Verdict::kNoIdentity:
+      return "no_identity";
+    case Verdict::kDuplicateIdentity:
+      return "duplicate";
+    case Verdict::kSingular:
+      return "singular";
+    case Verdict::kInvalid:
+      return "invalid";
+    case Verdict::kNotInMap:
+      return "not_in_map";
+    case Verdict::kMapFull:
+      return "map_full";
+    case Verdict::kLate:
+      return "late";
+  }
+  return "unknown";
+}
+
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,29 @@
+#include "kinect_ekf_slam/estimators/factory.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include "kinect_ekf_slam/estimators/dead_reckoning.h"
+#include "kinect_ekf_slam/estimators/ekf.h"
+
+namespace kinect_ekf_slam {
+
+template <class Space>
+std::unique_ptr<SlamEstimator<Space>> make_estimator(const EstimatorOptions& options,
+                                                     const AssociationOptions& association,
+                                                     const PoseEstimate<Space>& initial) {
+  std::shared_ptr<const Associator<Space>> associator = make_associator<Space>(association);
+  switch (options.type) {
+    case EstimatorOptions::Type::kEkf:
+      return std::make_unique<Ekf<Space>>(options, std::move(associator), initial);
+    case EstimatorOptions::Type::kDeadReckoning:
+      return std::make_unique<DeadReckoning<Space>>(options, std::move(associator), initial);
+  }
+  throw std::invalid_argument("make_estimator: unknown estimator type");
+}
+
+template std::unique_ptr<SlamEstimator<Planar>> make_estimator<Planar>(const EstimatorOptions&,
+                                                                       const AssociationOptions&,
+                                                                       const PoseEstimate<Planar>&);
+
+}  // namespace kinect_ekf_slam

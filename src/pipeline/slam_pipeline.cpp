@@ -1,0 +1,255 @@
+#include "kinect_ekf_slam/pipeline/slam_pipeline.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "kinect_ekf_slam/core/angles.h"
+#include "kinect_ekf_slam/estimators/factory.h"
+
+namespace kinect_ekf_slam {
+namespace {
+
+template <class Space>
+Pose3d to_3d(TimeNs stamp, const PoseEstimate<Space>& estimate) {
+  Pose3d pose;
+  pose.stamp = stamp;
+  pose.map_from_base = Space::to_3d(estimate.map_from_base);
+  for (int i = 0; i < Space::kPoseDim; ++i) {
+    for (int j = 0; j < Space::kPoseDim; ++j) {
+      pose.covariance(Space::kPoseAxes[i], Space::kPoseAxes[j]) = estimate.covariance(i, j);
+    }
+  }
+  return pose;
+}
+
+template <class Space>
+PoseEstimate<Space> from_3d(const Pose3d& pose) {
+  PoseEstimate<Space> estimate;
+  estimate.map_from_base = Space::pose_from_3d(pose.map_from_base);
+  for (int i = 0; i < Space::kPoseDim; ++i) {
+    for (int j = 0; j < Space::kPoseDim; ++j) {
+      estimate.covariance(i, j) = pose.covariance(Space::kPoseAxes[i], Space::kPoseAxes[j]);
+    }
+  }
+  return estimate;
+}
+
+Pose3d initial_pose(const InitialPoseOptions& options) {
+  Pose3d pose;
+  pose.map_from_base.translation() = Eigen::Vector3d(options.x, options.y, 0.0);
+  pose.map_from_base.linear() =
+      Eigen::AngleAxisd(radians(options.yaw_deg), Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const double heading_sigma = radians(options.heading_sigma_deg);
+  pose.covariance.diagonal() << Eigen::Vector3d::Constant(options.position_sigma * options.position_sigma),
+      Eigen::Vector3d::Constant(heading_sigma * heading_sigma);
+  return pose;
+}
+
+/// Finite, symmetric and positive definite.
+template <class Matrix>
+bool is_covariance(const Matrix& matrix) {
+  constexpr double kLargest = 1e6;  // m^2; more is no knowledge, and its digits drown those of the others
+  return matrix.allFinite() && matrix.trace() < kLargest && matrix.isApprox(matrix.transpose(), 1e-6) &&
+         Eigen::LLT<Matrix>(matrix).info() == Eigen::Success;
+}
+
+/// Carries something that moves from frame to frame: how far, and how surely.
+template <class Space>
+class Motion {
+ public:
+  Motion(const InputOptions& input, const MotionOptions& motion) : conditioner_(input), options_(motion) {}
+
+  /// The steps from the last frame to `frame`; takes in what the frame says of what follows.
+  std::optional<MotionStep<Space>> advance(const SensorFrame& frame) {
+    std::optional<MotionStep<Space>> step = advance_to(frame.stamp);
+    if (frame.odometry) conditioner_.add_odometry(frame.stamp, *frame.odometry);
+    if (frame.gyro_rate) conditioner_.add_gyro(frame.stamp, *frame.gyro_rate);
+    return step;
+  }
+
+  std::optional<MotionStep<Space>> advance_to(TimeNs stamp) {
+    const TimeNs start = std::exchange(now_, started_ ? std::max(stamp, now_) : stamp);
+    const double dt = to_seconds(now_ - start);
+    if (!std::exchange(started_, true) || dt <= 0.0) return std::nullopt;
+    const double held = std::min(dt, conditioner_.hold_time(start));
+    MotionStep<Space> step;
+    if (held > 0.0) step = motion_step<Space>(conditioner_.velocity(start), held, options_);
+    if (held < dt) step.covariance += unknown_motion(dt - std::max(held, 0.0));
+    return step;
+  }
+
+  TimeNs now() const { return now_; }
+  bool started() const { return started_; }
+  InputConditioner& conditioner() { return conditioner_; }
+  const InputConditioner& conditioner() const { return conditioner_; }
+  void set_options(const MotionOptions& options) { options_ = options; }
+
+ private:
+  /// Without odometry nobody knows the motion: taken for none, give or take the last velocity each second.
+  typename Space::PoseMatrix unknown_motion(double dt) const {
+    return (Space::twist(conditioner_.last_odometry()).cwiseAbs2() * dt).asDiagonal();
+  }
+
+  InputConditioner conditioner_;
+  MotionOptions options_;
+  TimeNs now_ = 0;
+  bool started_ = false;
+};
+
+template <class Space>
+class SpacePipeline : public SlamPipeline {
+ public:
+  explicit SpacePipeline(const PipelineOptions& options)
+      : sensor_(options.sensor),
+        motion_(options.input, options.motion),
+        estimator_(make_estimator<Space>(options.estimator, options.association,
+                                         from_3d<Space>(initial_pose(options.initial_pose)))),
+        dead_reckoned_(estimator_->pose().map_from_base) {
+    set_mode(options.mode);
+  }
+
+  SlamResult process(const SensorFrame& frame) override {
+    const bool late = motion_.started() && frame.stamp < motion_.now();
+    if (const auto step = motion_.advance(frame)) {
+      estimator_->predict(*step);
+      dead_reckoned_ = dead_reckoned_ * step->delta;
+    }
+    SlamResult result;
+    if (frame.detections) {
+      result.looked = true;
+      observe(*frame.detections, late, &result);
+    }
+    result.pose = to_3d<Space>(motion_.now(), estimator_->pose());
+    result.dead_reckoned = Space::to_3d(dead_reckoned_);
+    result.finite = result.pose.map_from_base.matrix().allFinite() && result.pose.covariance.allFinite();
+    return result;
+  }
+
+  Pose3d look_ahead(const std::deque<SensorFrame>& waiting, TimeNs stamp) const override {
+    Motion<Space> motion = motion_;
+    PoseEstimate<Space> pose = estimator_->pose();
+    for (const SensorFrame& frame : waiting) {
+      if (frame.stamp > stamp) break;
+      if (const auto step = motion.advance(frame)) predict_pose(*step, &pose);
+    }
+    if (const auto step = motion.advance_to(stamp)) predict_pose(*step, &pose);
+    return to_3d<Space>(motion.now(), pose);
+  }
+
+  std::vector<Landmark3d> map() const override {
+    std::vector<Landmark3d> map;
+    for (const LandmarkEstimate<Space>& estimate : estimator_->landmarks()) {
+      Landmark3d landmark;
+      landmark.id = estimate.info.id;
+      landmark.source_id = estimate.info.source_id;
+      landmark.label = estimate.info.label();
+      landmark.radius = estimate.info.radius;
+      landmark.observations = estimate.info.observations;
+      landmark.position_in_map = Space::to_3d(estimate.position_in_map);
+      landmark.covariance.template topLeftCorner<Space::kPointDim, Space::kPointDim>() = estimate.covariance;
+      map.push_back(std::move(landmark));
+    }
+    return map;
+  }
+
+  SavedState save() const override {
+    const SlamState<Space> state = estimator_->snapshot();
+    const auto count = static_cast<Eigen::Index>(state.infos.size());
+    SavedState saved;
+    saved.space = Space::kName;
+    saved.stamp = motion_.now();
+    saved.pose = Space::to_vector(state.map_from_base);
+    saved.infos = state.infos;
+    saved.landmarks_in_map =
+        Eigen::Map<const Eigen::MatrixXd>(state.landmarks_in_map.data(), Space::kPointDim, count).transpose();
+    saved.covariance = state.covariance;
+    return saved;
+  }
+
+  void load(const SavedState& saved, bool keep_saved_pose) override {
+    if (saved.space != Space::kName) {
+      throw std::invalid_argument("the map is " + saved.space + ", estimator/space is " + Space::kName);
+    }
+    const PoseEstimate<Space> present = estimator_->pose();
+    const Eigen::MatrixXd points = saved.landmarks_in_map.transpose();
+    std::vector<LandmarkInfo> infos = saved.infos;
+    for (LandmarkInfo& info : infos) info.last_seen = 0;  // in this run, whose clock may be another
+    estimator_->restore({Space::pose_from_vector(saved.pose), std::move(infos),
+                         Eigen::Map<const Eigen::VectorXd>(points.data(), points.size()), saved.covariance});
+    if (!keep_saved_pose) estimator_->set_pose(present);
+    dead_reckoned_ = estimator_->pose().map_from_base;
+  }
+
+  void set_pose(const Pose3d& pose) override {
+    estimator_->set_pose(from_3d<Space>(pose));
+    dead_reckoned_ = estimator_->pose().map_from_base;
+  }
+
+  void set_mode(Mode mode) override { estimator_->set_map_fixed(mode == Mode::kLocalization); }
+
+  void set_live_options(const PipelineOptions& options) override {
+    sensor_ = options.sensor;
+    motion_.set_options(options.motion);
+    motion_.conditioner().set_options(options.input);
+  }
+
+  const Eigen::Vector3d& gyro_bias() const override { return motion_.conditioner().gyro_bias(); }
+
+ private:
+  void observe(const std::vector<Detection>& detections, bool late, SlamResult* result) {
+    std::vector<Observation<Space>> observations;
+    std::vector<std::size_t> detection_of_observation;
+    result->outcomes.resize(detections.size());
+    for (std::size_t i = 0; i < detections.size(); ++i) {
+      DetectionOutcome& outcome = result->outcomes[i];
+      outcome.source_id = detections[i].signature.source_id;
+      outcome.position_in_map = detections[i].position_in_base;  // moved into the map below
+      if (late) {
+        outcome.verdict = Verdict::kLate;
+      } else if (!detections[i].position_in_base.allFinite()) {
+        outcome.verdict = Verdict::kInvalid;
+      } else if (!in_range(detections[i], sensor_)) {
+        outcome.verdict = Verdict::kOutOfRange;
+      } else {
+        const Detection seen = with_noise(detections[i], sensor_);
+        Observation<Space> observation{Space::from_3d(seen.position_in_base),
+                                       Space::from_3d(seen.covariance_in_base), sensor_.correlation_time,
+                                       seen.signature};
+        if (!is_covariance(observation.covariance)) continue;  // stays invalid
+        detection_of_observation.push_back(i);
+        observations.push_back(std::move(observation));
+      }
+    }
+    if (!observations.empty()) {
+      const UpdateReport report = estimator_->observe(motion_.now(), observations);
+      result->nis = report.nis;
+      result->dof = report.dof;
+      for (std::size_t k = 0; k < observations.size(); ++k) {
+        DetectionOutcome& outcome = result->outcomes[detection_of_observation[k]];
+        outcome.verdict = report.assignments[k].verdict;
+        outcome.landmark_id = report.assignments[k].landmark;
+        outcome.nis = report.assignments[k].squared_distance;
+      }
+    }
+    const Eigen::Isometry3d map_from_base = Space::to_3d(estimator_->pose().map_from_base);
+    for (DetectionOutcome& outcome : result->outcomes) {
+      outcome.position_in_map = map_from_base * outcome.position_in_map;
+    }
+  }
+
+  SensorOptions sensor_;
+  Motion<Space> motion_;
+  std::unique_ptr<SlamEstimator<Space>> estimator_;
+  typename Space::Pose dead_reckoned_;
+};
+
+}  // namespace
+
+std::unique_ptr<SlamPipeline> make_pipeline(const PipelineOptions& options) {
+  return std::make_unique<SpacePipeline<Planar>>(options);
+}
+
+}  // namespace kinect_ekf_slam

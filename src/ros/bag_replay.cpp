@@ -1,0 +1,238 @@
+#include "kinect_ekf_slam/ros/bag_replay.h"
+
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <tf2/buffer_core.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <chrono>
+#include <ctime>
+#include <memory>
+#include <set>
+#include <stdexcept>
+
+#include "kinect_ekf_slam/mapping/map_file.h"
+#include "kinect_ekf_slam/ros/run_writer.h"
+#include "kinect_ekf_slam/ros/slam_session.h"
+#include "kinect_ekf_slam/ros/static_transforms.h"
+
+namespace kinect_ekf_slam {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+double cpu_seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+std::string absolute(const std::string& topic) {
+  return topic.empty() || topic.front() == '/' ? topic : "/" + topic;
+}
+
+/// The bag's topics by what they are for.
+class Topics {
+ public:
+  Topics(const rosbag::Bag& bag, const std::string& path, const SyncOptions& sync)
+      : odometry(absolute(sync.odometry_topic)),
+        imu(absolute(sync.imu_topic)),
+        landmarks(absolute(sync.landmarks_topic)) {
+    rosbag::View everything(bag);
+    std::map<std::string, std::string> types;
+    std::map<std::string, std::string> checksums;
+    for (const rosbag::ConnectionInfo* connection : everything.getConnections()) {
+      types[absolute(connection->topic)] = connection->datatype;
+      checksums[absolute(connection->topic)] = connection->md5sum;
+      recorded_as_[absolute(connection->topic)].insert(connection->topic);
+    }
+    if (types.count(odometry) == 0) {
+      std::string present;
+      for (const auto& [topic, type] : types) present += (present.empty() ? "" : ", ") + topic;
+      throw std::runtime_error(path + ": no odometry on '" + odometry +
+                               "' (sync/odometry_topic); the bag has " +
+                               (present.empty() ? "nothing" : present));
+    }
+    check_type(types, odometry, "nav_msgs/Odometry", "sync/odometry_topic", path);
+    check_type(types, imu, "sensor_msgs/Imu", "sync/imu_topic", path);
+    check_type(types, landmarks, "kinect_ekf_slam/LandmarkDetectionArray", "sync/landmarks_topic", path);
+    check_version<nav_msgs::Odometry>(checksums, odometry, path);
+    check_version<sensor_msgs::Imu>(checksums, imu, path);
+    check_version<LandmarkDetectionArray>(checksums, landmarks, path);
+  }
+
+  std::vector<std::string> all() const {
+    std::vector<std::string> topics;
+    for (const std::string& name :
+         {odometry, imu, landmarks, std::string("/tf"), std::string("/tf_static")}) {
+      const auto recorded = recorded_as_.find(name);
+      if (recorded != recorded_as_.end())
+        topics.insert(topics.end(), recorded->second.begin(), recorded->second.end());
+    }
+    return topics;
+  }
+
+  const std::string odometry;
+  const std::string imu;
+  const std::string landmarks;
+
+ private:
+  static void check_type(const std::map<std::string, std::string>& types, const std::string& topic,
+                         const std::string& expected, const std::string& key, const std::string& path) {
+    const auto type = types.find(topic);
+    if (type != types.end() && type->second != expected) {
+      throw std::runtime_error(path + ": '" + topic + "' (" + key + ") is " + type->second + ", expected " +
+                               expected);
+    }
+  }
+
+  /// A message of another version would be skipped without a word.
+  template <class Message>
+  static void check_version(const std::map<std::string, std::string>& checksums, const std::string& topic,
+                            const std::string& path) {
+    const auto checksum = checksums.find(topic);
+    const std::string expected = ros::message_traits::md5sum<Message>();
+    if (checksum != checksums.end() && checksum->second != expected) {
+      throw std::runtime_error(path + ": '" + topic + "' was recorded with another version of " +
+                               ros::message_traits::datatype<Message>() + " (checksum " + checksum->second +
+                               ", expected " + expected + ")");
+    }
+  }
+
+  std::map<std::string, std::set<std::string>> recorded_as_;
+};
+
+void add_transforms(const rosbag::MessageInstance& instance, bool is_static, tf2::BufferCore* buffer) {
+  const auto message = instance.instantiate<tf2_msgs::TFMessage>();
+  if (!message) return;
+  for (const auto& transform : message->transforms) buffer->setTransform(transform, "bag", is_static);
+}
+
+/// One run through a bag that is open and understood.
+class Replay {
+ public:
+  Replay(const ReplayRequest& request, const rosbag::Bag& bag, const Topics& topics)
+      : request_(request), bag_(bag), topics_(topics), buffer_(ros::Duration(60.0)) {
+    if (!request.output_directory.empty()) {
+      writer_ = std::make_unique<RunWriter>(request.output_directory, request.options.output.trajectory_rate);
+    }
+    make_session();
+  }
+
+  ReplayReport run() {
+    const auto start = Clock::now();
+    const double cpu_start = cpu_seconds();
+    rosbag::View view(bag_, rosbag::TopicQuery(topics_.all()));
+    report_.data_seconds = (view.getEndTime() - view.getBeginTime()).toSec();
+    add_static_transforms(request_.options.frames.static_transforms, view.getBeginTime(), &buffer_);
+    if (request_.options.map.load_at_start) {
+      load_map();
+    } else if (request_.options.pipeline.mode == Mode::kLocalization) {
+      throw std::runtime_error("mode: localization needs a map: set map/load_at_start and map/file_name");
+    }
+    std::size_t done = 0;
+    for (const rosbag::MessageInstance& instance : view) {
+      if (request_.on_progress && ++done % 512 == 0) {
+        request_.on_progress(static_cast<double>(done) / static_cast<double>(view.size()));
+      }
+      dispatch(instance);
+    }
+    session_->flush();
+    report_.refusals = session_->input().refusals();
+    report_.landmarks = session_->pipeline().map().size();
+    report_.wall_seconds = seconds_since(start);
+    if (writer_) {
+      summary_.bag = request_.bag;
+      summary_.wall_seconds = report_.wall_seconds;
+      summary_.cpu_seconds = cpu_seconds() - cpu_start;
+      summary_.data_seconds = report_.data_seconds;
+      summary_.refusals = session_->input().refusals();
+      summary_.accepted = session_->input().accepted();
+      writer_->finish(session_->pipeline().map(), summary_);
+      write_map(request_.output_directory + "/map.yaml", request_.options.frames.map,
+                session_->pipeline().save(), request_.options.text);
+    }
+    return report_;
+  }
+
+ private:
+  void make_session() {
+    SlamSession::Handlers handlers;
+    handlers.on_result = [this](const SensorFrame& frame, const SlamResult& result) {
+      on_result(frame, result);
+    };
+    handlers.on_refusal = request_.on_warning;
+    handlers.on_time_jump = [this] {
+      ++report_.new_runs;
+      buffer_.clear();  // mountings that are static stay
+      if (writer_) writer_->restart();
+    };
+    session_ = std::make_unique<SlamSession>(
+        request_.options,
+        [this](const std::string& target, const std::string& source, const ros::Time& stamp) {
+          return lookup_transform(buffer_, target, source, stamp);
+        },
+        std::move(handlers));
+  }
+
+  void load_map() {
+    const MapOptions& map = request_.options.map;
+    session_->load(read_map(MapDirectory(map.directory).resolve(map.file_name), request_.options.frames.map),
+                   false);
+  }
+
+  void on_result(const SensorFrame& frame, const SlamResult& result) {
+    if (writer_) writer_->add(frame, result);
+    if (!result.looked) return;
+    ++report_.detection_frames;
+    summary_.update_milliseconds.push_back(1e3 * seconds_since(message_start_));
+  }
+
+  void dispatch(const rosbag::MessageInstance& instance) {
+    const std::string topic = absolute(instance.getTopic());
+    const ros::Time now = instance.getTime();
+    message_start_ = Clock::now();
+    if (topic == topics_.odometry) {
+      if (const auto message = instance.instantiate<nav_msgs::Odometry>())
+        session_->input().add_odometry(message, now);
+    } else if (topic == topics_.imu) {
+      if (const auto message = instance.instantiate<sensor_msgs::Imu>())
+        session_->input().add_imu(message, now);
+    } else if (topic == topics_.landmarks) {
+      if (const auto message = instance.instantiate<LandmarkDetectionArray>()) {
+        session_->input().add_landmarks(message, now);
+      }
+    } else {
+      add_transforms(instance, topic == "/tf_static", &buffer_);
+    }
+  }
+
+  const ReplayRequest& request_;
+  const rosbag::Bag& bag_;
+  const Topics& topics_;
+  tf2::BufferCore buffer_;
+  std::unique_ptr<RunWriter> writer_;
+  std::unique_ptr<SlamSession> session_;
+  Clock::time_point message_start_;
+  RunWriter::Summary summary_;
+  ReplayReport report_;
+};
+
+}  // namespace
+
+ReplayReport replay_bag(const ReplayRequest& request) {
+  ros::Time::init();  // message_filters asks for a clock; none is used
+  rosbag::Bag bag;
+  try {
+    bag.open(request.bag, rosbag::bagmode::Read);
+    return Replay(request, bag, Topics(bag, request.bag, request.options.sync)).run();
+  } catch (const rosbag::BagException& error) {
+    throw std::runtime_error(request.bag + ": not a readable bag: " + error.what());
+  }
+}
+
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,108 @@
+#include "kinect_ekf_slam/ros/health.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kinect_ekf_slam/core/angles.h"
+
+namespace kinect_ekf_slam {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+
+constexpr double kSilence = 3.0;      // s without odometry before that is a warning
+constexpr double kNisMemory = 50.0;   // updates
+constexpr double kNisTooLarge = 3.0;  // mean of nu^T S^-1 nu per degree of freedom
+
+}  // namespace
+
+void Health::note_input(const std::string& input, const ros::Time& now) {
+  Input& entry = inputs_[input];
+  entry.last = now;
+  ++entry.since_report;
+}
+
+void Health::note_result(const SlamResult& result) {
+  finite_ = result.finite;
+  for (const DetectionOutcome& outcome : result.outcomes)
+    ++verdicts_[static_cast<std::size_t>(outcome.verdict)];
+  if (result.looked) ++looked_;
+  if (result.looked && result.outcomes.empty()) ++saw_nothing_;
+  if (result.dof == 0) return;
+  ++updates_;
+  const double weight = 1.0 / std::min(static_cast<double>(updates_), kNisMemory);
+  nis_per_dof_ += weight * (result.nis / result.dof - nis_per_dof_);
+}
+
+void Health::set_state(const std::string& mode, bool paused) {
+  mode_ = mode;
+  paused_ = paused;
+}
+
+void Health::reset_estimate() {
+  std::fill(verdicts_.begin(), verdicts_.end(), 0);
+  nis_per_dof_ = 1.0;
+  updates_ = 0;
+  looked_ = 0;
+  saw_nothing_ = 0;
+  finite_ = true;
+  landmarks_ = 0;
+}
+
+void Health::report_inputs(const SensorBridge& bridge, const ros::Time& now,
+                           diagnostic_updater::DiagnosticStatusWrapper& status) {
+  status.summary(DiagnosticStatus::OK, "inputs arrive");
+  const double elapsed = std::max((now - last_report_).toSec(), 1e-3);
+  for (auto& [name, topic] :
+       std::map<std::string, std::string>{{"odometry", expectation_.odometry_topic},
+                                          {"imu", expectation_.imu_topic},
+                                          {"landmarks", expectation_.landmarks_topic}}) {
+    Input& input = inputs_[name];
+    status.add(name + " topic", topic);
+    status.addf(name + " rate (Hz)", "%.1f", static_cast<double>(input.since_report) / elapsed);
+    status.add(name + " age of the last (s)",
+               input.last.isZero() ? std::string("never came") : std::to_string((now - input.last).toSec()));
+    input.since_report = 0;
+  }
+  last_report_ = now;
+  std::uint64_t refused = 0;
+  for (const auto& [reason, count] : bridge.refusals()) {
+    status.add("refused, " + reason, count);
+    refused += count;
+  }
+  status.add("refused", refused);
+  const Input& odometry = inputs_["odometry"];
+  const ros::Time since = odometry.last.isZero() ? start_ : odometry.last;
+  if ((now - since).toSec() > kSilence) {
+    status.summary(DiagnosticStatus::WARN,
+                   (odometry.last.isZero() ? "no odometry yet on " : "odometry has stopped on ") +
+                       expectation_.odometry_topic);
+  }
+}
+
+void Health::report_estimate(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  const double sigma = std::sqrt(std::max(pose_.covariance(0, 0), pose_.covariance(1, 1)));
+  status.summary(DiagnosticStatus::OK, "estimating");
+  if (paused_) status.summary(DiagnosticStatus::OK, "paused: detections are not used");
+  if (nis_per_dof_ > kNisTooLarge) {
+    status.summary(DiagnosticStatus::WARN,
+                   "sightings fit worse than the covariance says: is a noise or calibration wrong?");
+  }
+  if (sigma > expectation_.position_sigma_warning)
+    status.summary(DiagnosticStatus::WARN, "the position is uncertain");
+  if (!finite_)
+    status.summary(DiagnosticStatus::ERROR, "the estimate is not finite; output stopped; call ~reset");
+  status.add("mode", mode_);
+  status.add("paused", paused_ ? "yes" : "no");
+  status.add("landmarks", landmarks_);
+  status.addf("position sigma (m)", "%.4f", sigma);
+  status.addf("heading sigma (deg)", "%.3f", degrees(std::sqrt(pose_.covariance(5, 5))));
+  status.addf("NIS per degree of freedom", "%.3f", nis_per_dof_);
+  status.add("detection messages used", looked_);
+  status.add("detection messages that saw nothing", saw_nothing_);
+  for (int i = 0; i < kVerdictCount; ++i) {
+    status.add(std::string("detections, ") + to_string(static_cast<Verdict>(i)), verdicts_[i]);
+  }
+}
+
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,238 @@
+#include "kinect_ekf_slam/ros/markers.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <stdexcept>
+
+#include "kinect_ekf_slam/core/angles.h"
+#include "kinect_ekf_slam/ros/conversions.h"
+
+namespace kinect_ekf_slam {
+namespace {
+
+using visualization_msgs::Marker;
+using visualization_msgs::MarkerArray;
+
+constexpr double kLandmarkHeight = 0.30;  // m
+constexpr double kDefaultRadius = 0.05;   // m, of a landmark that told none
+constexpr double kFlat = 0.01;            // m, height of what lies on the floor
+constexpr double kSmallest = 0.004;       // m: an ellipse stays visible
+constexpr double kThin = 0.015;           // m, width of a line
+constexpr double kWedgeLength = 0.6;      // m
+constexpr double kWidestWedge = 0.5 * kPi;
+
+std_msgs::ColorRGBA color(double r, double g, double b, double a) {
+  std_msgs::ColorRGBA color;
+  color.r = static_cast<float>(r);
+  color.g = static_cast<float>(g);
+  color.b = static_cast<float>(b);
+  color.a = static_cast<float>(a);
+  return color;
+}
+
+std_msgs::ColorRGBA hue(double turn) {
+  const auto channel = [&](double shift) {
+    return std::clamp(std::abs(std::fmod(6.0 * (turn + shift), 6.0) - 3.0) - 1.0, 0.0, 1.0);
+  };
+  return color(channel(0.0), channel(2.0 / 3.0), channel(1.0 / 3.0), 1.0);
+}
+
+geometry_msgs::Quaternion heading_quaternion(double heading) {
+  return to_quaternion(Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()).toRotationMatrix());
+}
+
+/// A flat ellipse on the floor, or nothing that pretends to be one when the covariance is none.
+bool shape_as_ellipse(const Eigen::Matrix2d& covariance, double sigmas, Marker* marker) {
+  Ellipse shape;
+  try {
+    shape = ellipse(covariance, sigmas);
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+  marker->scale.x = std::max(2.0 * shape.major, kSmallest);
+  marker->scale.y = std::max(2.0 * shape.minor, kSmallest);
+  marker->scale.z = kFlat;
+  marker->pose.orientation = heading_quaternion(shape.heading);
+  return true;
+}
+
+}  // namespace
+
+Ellipse ellipse(const Eigen::Matrix2d& covariance, double sigmas) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance);
+  const Eigen::Vector2d& values = solver.eigenvalues();  // ascending
+  if (!covariance.allFinite() || values(0) < -1e-9 * std::max(1.0, values(1)) || !(values(1) > 0.0)) {
+    throw std::invalid_argument("ellipse: not a covariance");
+  }
+  const Eigen::Vector2d axis = solver.eigenvectors().col(1);
+  return {sigmas * std::sqrt(values(1)), sigmas * std::sqrt(std::max(values(0), 0.0)),
+          std::atan2(axis.y(), axis.x())};
+}
+
+std_msgs::ColorRGBA label_color(const std::string& label) {
+  static const std::map<std::string, std_msgs::ColorRGBA> kNamed = {
+      {"red", color(0.85, 0.15, 0.12, 1)},   {"green", color(0.15, 0.65, 0.2, 1)},
+      {"blue", color(0.12, 0.35, 0.85, 1)},  {"yellow", color(0.95, 0.8, 0.1, 1)},
+      {"orange", color(0.95, 0.5, 0.1, 1)},  {"purple", color(0.55, 0.2, 0.7, 1)},
+      {"cyan", color(0.1, 0.75, 0.8, 1)},    {"magenta", color(0.85, 0.2, 0.7, 1)},
+      {"white", color(0.95, 0.95, 0.95, 1)}, {"black", color(0.1, 0.1, 0.1, 1)},
+      {"", color(0.6, 0.6, 0.6, 1)}};
+  const auto named = kNamed.find(label);
+  if (named != kNamed.end()) return named->second;
+  return hue(static_cast<double>(std::hash<std::string>{}(label) % 360) / 360.0);
+}
+
+Marker MarkerPainter::marker(const std::string& space, int id, int type) const {
+  Marker marker;
+  marker.header.frame_id = frame_id_;
+  marker.header.stamp = stamp_;
+  marker.ns = space;
+  marker.id = id;
+  marker.type = type;
+  marker.action = Marker::ADD;
+  marker.pose.orientation.w = 1.0;
+  return marker;
+}
+
+MarkerArray MarkerPainter::paint(const Scene& scene) {
+  stamp_ = to_ros(scene.pose.stamp);
+  MarkerArray array;
+  paint_landmarks(scene, &array);
+  paint_robot(scene, &array);
+  paint_associations(scene, &array);
+  paint_path("path", scene.path, 2.0 * kThin, color(0.3, 0.65, 1.0, 1.0), &array);
+  paint_path("dead_reckoning", scene.dead_reckoned_path, kThin, color(0.9, 0.55, 0.15, 0.7), &array);
+  return array;
+}
+
+MarkerArray MarkerPainter::clear() {
+  shown_.clear();
+  MarkerArray array;
+  array.markers.push_back(marker("", 0, Marker::CUBE));
+  array.markers.back().action = Marker::DELETEALL;
+  return array;
+}
+
+void MarkerPainter::paint_landmarks(const Scene& scene, MarkerArray* array) {
+  std::set<int> gone;
+  gone.swap(shown_);
+  for (const Landmark3d& landmark : scene.map) {
+    gone.erase(landmark.id);
+    shown_.insert(landmark.id);
+    const double radius = landmark.radius > 0.0 ? landmark.radius : kDefaultRadius;
+
+    Marker body = marker("landmarks", landmark.id, Marker::CYLINDER);
+    body.pose.position = to_point(landmark.position_in_map);
+    body.pose.position.z += 0.5 * kLandmarkHeight;
+    body.scale.x = body.scale.y = 2.0 * radius;
+    body.scale.z = kLandmarkHeight;
+    body.color = label_color(landmark.label);
+    array->markers.push_back(body);
+
+    Marker name = marker("labels", landmark.id, Marker::TEXT_VIEW_FACING);
+    name.pose.position = to_point(landmark.position_in_map);
+    name.pose.position.z += kLandmarkHeight + 0.12;
+    name.scale.z = 0.16;
+    name.color = color(1.0, 1.0, 1.0, 1.0);
+    // The blank lines lift the text above the landmark, wherever one looks from.
+    name.text = std::to_string(landmark.id) + (landmark.label.empty() ? "" : " " + landmark.label) + "\n\n";
+    array->markers.push_back(name);
+
+    Marker spread = marker("covariance", landmark.id, Marker::CYLINDER);
+    spread.pose.position = to_point(landmark.position_in_map);
+    spread.color = body.color;
+    spread.color.a = 0.4F;
+    if (!shape_as_ellipse(landmark.covariance.topLeftCorner<2, 2>(), sigmas_, &spread))
+      spread.action = Marker::DELETE;
+    array->markers.push_back(spread);
+  }
+  for (const int id : gone) {
+    for (const char* space : {"landmarks", "labels", "covariance"}) {
+      array->markers.push_back(marker(space, id, Marker::CYLINDER));
+      array->markers.back().action = Marker::DELETE;
+    }
+  }
+}
+
+void MarkerPainter::paint_robot(const Scene& scene, MarkerArray* array) const {
+  Marker spread = marker("robot_position", 0, Marker::CYLINDER);
+  spread.pose.position = to_point(scene.pose.map_from_base.translation());
+  spread.pose.position.z += 4.0 * kFlat;
+  spread.color = color(0.65, 0.2, 0.9, 0.5);
+  if (!shape_as_ellipse(scene.pose.covariance.topLeftCorner<2, 2>(), sigmas_, &spread))
+    spread.action = Marker::DELETE;
+  array->markers.push_back(spread);
+
+  Marker wedge = marker("robot_heading", 0, Marker::TRIANGLE_LIST);
+  wedge.pose = to_pose(scene.pose.map_from_base);
+  wedge.pose.position.z += 2.0 * kFlat;
+  wedge.scale.x = wedge.scale.y = wedge.scale.z = 1.0;
+  wedge.color = color(0.95, 0.85, 0.1, 0.7);
+  const double variance = scene.pose.covariance(5, 5);
+  const double half = std::clamp(sigmas_ * std::sqrt(std::max(variance, 0.0)), radians(0.5), kWidestWedge);
+  constexpr int kSlices = 12;
+  const auto edge = [&](int slice) {
+    const double angle = half * (2.0 * slice / kSlices - 1.0);
+    return to_point(kWedgeLength * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0.0));
+  };
+  for (int slice = 0; slice < kSlices; ++slice) {
+    for (const auto& corner : {to_point(Eigen::Vector3d::Zero()), edge(slice), edge(slice + 1)})
+      wedge.points.push_back(corner);
+  }
+  if (!std::isfinite(variance)) wedge.action = Marker::DELETE;
+  array->markers.push_back(wedge);
+
+  Marker body = marker("robot", 0, Marker::TRIANGLE_LIST);
+  body.pose = to_pose(scene.pose.map_from_base);
+  body.pose.position.z += 3.0 * kFlat;
+  body.scale.x = body.scale.y = body.scale.z = 1.0;
+  body.color = color(0.85, 0.87, 0.9, 1.0);
+  const Eigen::Vector3d nose(0.22, 0.0, 0.0);
+  const Eigen::Vector3d notch(-0.07, 0.0, 0.0);
+  const Eigen::Vector3d left(-0.14, 0.13, 0.0);
+  const Eigen::Vector3d right(-0.14, -0.13, 0.0);
+  for (const Eigen::Vector3d& corner : {nose, left, notch, nose, notch, right})
+    body.points.push_back(to_point(corner));
+  array->markers.push_back(body);
+}
+
+void MarkerPainter::paint_associations(const Scene& scene, MarkerArray* array) const {
+  Marker lines = marker("associations", 0, Marker::LINE_LIST);
+  lines.scale.x = kThin;
+  lines.color.a = 1.0F;
+  for (const DetectionOutcome& outcome : scene.outcomes) {
+    if (!outcome.position_in_map.allFinite()) continue;
+    Eigen::Vector3d target = outcome.position_in_map;
+    if (is_accepted(outcome.verdict)) {
+      const auto landmark =
+          std::find_if(scene.map.begin(), scene.map.end(),
+                       [&](const Landmark3d& candidate) { return candidate.id == outcome.landmark_id; });
+      if (landmark != scene.map.end()) target = landmark->position_in_map;
+    }
+    const auto shade = outcome.verdict == Verdict::kMatched   ? color(0.2, 0.9, 0.3, 1.0)
+                       : outcome.verdict == Verdict::kCreated ? color(0.2, 0.7, 1.0, 1.0)
+                                                              : color(0.9, 0.2, 0.2, 0.8);
+    for (const Eigen::Vector3d& end : {Eigen::Vector3d(scene.pose.map_from_base.translation()), target}) {
+      lines.points.push_back(to_point({end.x(), end.y(), end.z() + 0.1}));
+      lines.colors.push_back(shade);
+    }
+  }
+  if (lines.points.empty()) lines.action = Marker::DELETE;
+  array->markers.push_back(lines);
+}
+
+void MarkerPainter::paint_path(const std::string& space, const std::vector<geometry_msgs::Point>& points,
+                               double width, const std_msgs::ColorRGBA& shade, MarkerArray* array) const {
+  Marker line = marker(space, 0, Marker::LINE_STRIP);
+  line.pose.position.z = width;  // the wider one on top
+  line.scale.x = width;
+  line.color = shade;
+  line.points = points;
+  if (points.size() < 2) line.action = Marker::DELETE;
+  array->markers.push_back(line);
+}
+
+}  // namespace kinect_ekf_slam

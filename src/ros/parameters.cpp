@@ -1,0 +1,459 @@
+#include "kinect_ekf_slam/ros/parameters.h"
+
+#include <cmath>
+#include <limits>
+#include <set>
+#include <sstream>
+#include <utility>
+
+namespace kinect_ekf_slam {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+template <class Value>
+using Choices = std::vector<std::pair<std::string, Value>>;
+
+std::string text_of(const YAML::Node& node) {
+  YAML::Emitter text;
+  text.SetSeqFormat(YAML::Flow);
+  text.SetMapFormat(YAML::Flow);
+  text << node;
+  return text.c_str();
+}
+
+std::string text_of(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+/// Goes through all parameters once: reads them, or only lists them when there is no YAML.
+class Visitor {
+ public:
+  explicit Visitor(const YAML::Node* yaml) : yaml_(yaml) {}
+
+  void number(const std::string& key, double* value, double low, double high, const std::string& unit,
+              const std::string& meaning) {
+    const std::string allowed = range(low, high);
+    note({key, text_of(*value), unit, allowed, meaning});
+    if (const YAML::Node node = find(key)) {
+      *value = convert<double>(key, node, "a number " + allowed);
+      if (!(*value >= low && *value <= high)) fail(key, node, "a number " + allowed);
+    }
+  }
+
+  void integer(const std::string& key, int* value, int low, int high, const std::string& unit,
+               const std::string& meaning) {
+    const std::string allowed = range(low, high);
+    note({key, std::to_string(*value), unit, allowed, meaning});
+    if (const YAML::Node node = find(key)) {
+      *value = convert<int>(key, node, "a whole number " + allowed);
+      if (*value < low || *value > high) fail(key, node, "a whole number " + allowed);
+    }
+  }
+
+  void boolean(const std::string& key, bool* value, const std::string& meaning) {
+    note({key, *value ? "true" : "false", "", "true, false", meaning});
+    if (const YAML::Node node = find(key)) *value = convert<bool>(key, node, "true or false");
+  }
+
+  void text(const std::string& key, std::string* value, bool may_be_empty, const std::string& meaning) {
+    const std::string allowed = may_be_empty ? "text" : "text, not empty";
+    note({key, *value, "", allowed, meaning});
+    if (const YAML::Node node = find(key)) {
+      *value = convert<std::string>(key, node, allowed);
+      if (!may_be_empty && value->empty()) fail(key, node, allowed);
+    }
+  }
+
+  void frame(const std::string& key, std::string* value, const std::string& meaning) {
+    require(key);
+    text(key, value, false, meaning);
+    if (!value->empty() && value->front() == '/') {
+      throw ParameterError(key + ": '" + *value + "': a frame has no leading slash");
+    }
+  }
+
+  template <class Value>
+  void choice(const std::string& key, Value* value, const Choices<Value>& choices,
+              const std::string& meaning) {
+    std::string allowed;
+    std::string present;
+    for (const auto& [name, candidate] : choices) {
+      allowed += (allowed.empty() ? "" : ", ") + name;
+      if (candidate == *value) present = name;
+    }
+    note({key, present, "", allowed, meaning});
+    const YAML::Node node = find(key);
+    if (!node) return;
+    const auto name = convert<std::string>(key, node, "one of " + allowed);
+    for (const auto& [candidate_name, candidate] : choices) {
+      if (candidate_name == name) {
+        *value = candidate;
+        return;
+      }
+    }
+    fail(key, node, "one of " + allowed);
+  }
+
+  void transforms(const std::string& key, std::vector<StaticTransformOption>* value,
+                  const std::string& meaning) {
+    const std::string allowed = "a list of {parent, child, xyz: [m], rpy_deg: [deg]}";
+    note({key, "[]", "m, deg", allowed, meaning});
+    const YAML::Node node = find(key);
+    if (!node) return;
+    if (!node.IsSequence()) fail(key, node, allowed);
+    for (const YAML::Node& item : node) {
+      StaticTransformOption transform;
+      try {
+        transform.parent = item["parent"].as<std::string>();
+        transform.child = item["child"].as<std::string>();
+        transform.xyz = item["xyz"].as<std::vector<double>>();
+        transform.rpy_deg = item["rpy_deg"].as<std::vector<double>>();
+      } catch (const YAML::Exception&) {
+        fail(key, item, allowed);
+      }
+      if (transform.xyz.size() != 3 || transform.rpy_deg.size() != 3) fail(key, item, allowed);
+      value->push_back(std::move(transform));
+    }
+  }
+
+  void require(const std::string& key) {
+    required_.insert(key);
+    if (yaml_ != nullptr && !find(key)) {
+      throw ParameterError(key + ": is missing; start from config/slam.yaml (slam.launch loads it)");
+    }
+  }
+
+  std::vector<std::string> unread() const {
+    std::vector<std::string> keys;
+    if (yaml_ == nullptr || !yaml_->IsMap()) return keys;
+    for (const auto& group : *yaml_) {
+      const auto name = group.first.as<std::string>();
+      if (!group.second.IsMap()) {
+        if (known_.count(name) == 0 || name.find('/') != std::string::npos) keys.push_back(name);
+        continue;
+      }
+      for (const auto& entry : group.second) {
+        const std::string key = name + "/" + entry.first.as<std::string>();
+        if (known_.count(key) == 0) keys.push_back(key);
+      }
+    }
+    return keys;
+  }
+
+  std::vector<ParameterInfo> infos() const { return infos_; }
+
+ private:
+  static std::string range(double low, double high) {
+    if (high == kInfinity) return low == -kInfinity ? "of any size" : ">= " + text_of(low);
+    return "from " + text_of(low) + " to " + text_of(high);
+  }
+
+  void note(ParameterInfo info) {
+    known_.insert(info.key);
+    info.required = required_.count(info.key) > 0;
+    infos_.push_back(std::move(info));
+  }
+
+  YAML::Node find(const std::string& key) const {
+    if (yaml_ == nullptr || !yaml_->IsMap()) return YAML::Node(YAML::NodeType::Undefined);
+    const auto slash = key.find('/');
+    if (slash == std::string::npos) return (*yaml_)[key];
+    const YAML::Node group = (*yaml_)[key.substr(0, slash)];
+    if (!group || !group.IsMap()) return YAML::Node(YAML::NodeType::Undefined);
+    return group[key.substr(slash + 1)];
+  }
+
+  template <class Value>
+  static Value convert(const std::string& key, const YAML::Node& node, const std::string& allowed) {
+    try {
+      return node.as<Value>();
+    } catch (const YAML::Exception&) {
+      fail(key, node, allowed);
+    }
+  }
+
+  [[noreturn]] static void fail(const std::string& key, const YAML::Node& node, const std::string& allowed) {
+    throw ParameterError(key + ": '" + text_of(node) + "' given, allowed: " + allowed);
+  }
+
+  const YAML::Node* yaml_;
+  std::set<std::string> known_;
+  std::set<std::string> required_;
+  std::vector<ParameterInfo> infos_;
+};
+
+void visit(Visitor& v, FrameOptions& o) {
+  v.frame("frames/map", &o.map, "frame of the map and of every estimate");
+  v.frame("frames/odom", &o.odom, "frame of the odometry; header of the odometry messages");
+  v.frame("frames/base", &o.base, "frame of the robot; child frame of the odometry messages");
+  v.number("frames/tf_timeout", &o.tf_timeout, 0.0, 10.0, "s", "how long a sensor's transform is waited for");
+  v.transforms("frames/static_transforms", &o.static_transforms,
+               "mountings of sensors that nothing publishes on tf");
+}
+
+void visit(Visitor& v, SyncOptions& o) {
+  v.text("sync/odometry_topic", &o.odometry_topic, false, "nav_msgs/Odometry");
+  v.text("sync/imu_topic", &o.imu_topic, true, "sensor_msgs/Imu; empty: there is no IMU");
+  v.text("sync/landmarks_topic", &o.landmarks_topic, false, "kinect_ekf_slam/LandmarkDetectionArray");
+  v.number("sync/max_interval", &o.max_interval, 1e-3, 10.0, "s",
+           "largest difference of stamps inside one triple of odometry, IMU and detections");
+  v.integer("sync/queue_size", &o.queue_size, 1, 100000, "messages",
+            "that wait for their partners, per topic");
+  v.number("sync/detection_delay", &o.detection_delay, 0.0, 60.0, "s",
+           "how late detections may come; odometry waits for them that long before it enters the estimate");
+  v.number("sync/future_tolerance", &o.future_tolerance, 0.0, 3600.0, "s",
+           "a message stamped further ahead of the clock is refused");
+  v.number("sync/time_jump", &o.time_jump, 0.0, 3600.0, "s",
+           "time going back further than this starts a new run (a looped bag)");
+}
+
+void visit(Visitor& v, SyncOptions& sync, InputOptions& o) {
+  v.number("input/max_linear_speed", &o.max_linear_speed, 1e-6, kInfinity, "m/s",
+           "odometry beyond it is clamped");
+  v.number("input/max_angular_speed", &o.max_angular_speed, 1e-6, kInfinity, "rad/s",
+           "odometry and gyro beyond it are clamped");
+  v.number("input/linear_scale", &o.linear_scale, 0.1, 10.0, "-", "true speed over the odometry's");
+  v.number("input/angular_scale", &o.angular_scale, 0.1, 10.0, "-", "true turn rate over the odometry's");
+  v.number("input/odometry_delay", &sync.odometry_delay, -5.0, 5.0, "s",
+           "odometry stamped t is true at t + delay");
+  v.choice<HeadingSource>("input/heading_source", &o.heading_source,
+                          {{"gyrodometry_report", HeadingSource::kGyrodometryReport},
+                           {"gyrodometry", HeadingSource::kGyrodometry},
+                           {"odometry", HeadingSource::kOdometry},
+                           {"imu", HeadingSource::kImu}},
+                          "which sensor turns the robot: docs/theory.md, section 1");
+  v.number(
+      "input/heading_threshold_deg", &o.heading_threshold_deg, 0.0, 360.0, "deg",
+      "gyrodometry: wheels and gyro differ when their rates do by more than this over the odometry's period");
+  v.number("input/max_gyro_age", &o.max_gyro_age, 0.0, 10.0, "s", "an older gyro rate is not used");
+  v.number("input/max_odometry_gap", &o.max_odometry_gap, 0.0, 60.0, "s",
+           "a velocity holds no longer than this; after it the motion is unknown");
+  v.boolean("input/estimate_gyro_bias", &o.estimate_gyro_bias, "while the robot stands");
+  v.number("input/standing_speed", &o.standing_speed, 0.0, 1.0, "m/s, rad/s",
+           "odometry at most this fast means that the robot stands");
+  v.number("input/standing_time", &o.standing_time, 0.0, 3600.0, "s",
+           "the robot has stood this long before its gyro's bias is learnt");
+  v.number("input/gyro_bias_limit", &o.gyro_bias_limit, 0.0, 10.0, "rad/s",
+           "a standing robot whose gyro turns faster is being pushed: no bias");
+  v.number("input/gyro_bias_time", &o.gyro_bias_time, 0.1, 3600.0, "s", "time constant of the bias estimate");
+}
+
+void visit(Visitor& v, MotionOptions& o) {
+  v.choice<MotionOptions::Noise>(
+      "motion/noise", &o.noise,
+      {{"report", MotionOptions::Noise::kReport}, {"proportional", MotionOptions::Noise::kProportional}},
+      "report: covariance of the velocities |u| gain I per step; proportional: variance that grows with "
+      "time");
+  v.number("motion/report_gain", &o.report_gain, 0.0, 100.0, "-", "gain of the preset report");
+  v.number("motion/linear_noise", &o.linear_noise, 0.0, 10.0, "m/sqrt(s)", "forward, while moving");
+  v.number("motion/linear_noise_per_speed", &o.linear_noise_per_speed, 0.0, 10.0, "sqrt(s)",
+           "forward, per m/s of speed");
+  v.number("motion/lateral_noise_per_speed", &o.lateral_noise_per_speed, 0.0, 10.0, "sqrt(s)",
+           "sideways, per m/s of speed");
+  v.number("motion/angular_noise", &o.angular_noise, 0.0, 10.0, "rad/sqrt(s)",
+           "heading, while moving, where the wheels turn it");
+  v.number("motion/angular_noise_per_rate", &o.angular_noise_per_rate, 0.0, 10.0, "sqrt(s)",
+           "heading, per rad/s of turning");
+  v.number("motion/angular_noise_per_speed", &o.angular_noise_per_speed, 0.0, 10.0, "rad sqrt(s)/m",
+           "heading, per m/s of speed");
+  v.number("motion/gyro_noise", &o.gyro_noise, 0.0, 10.0, "rad/sqrt(s)",
+           "heading, while moving, where the gyro turns it");
+  v.number("motion/gyro_noise_per_rate", &o.gyro_noise_per_rate, 0.0, 10.0, "sqrt(s)",
+           "likewise, per rad/s of turning: its scale error");
+}
+
+void visit(Visitor& v, SensorOptions& o) {
+  v.number("sensor/min_depth", &o.min_depth, -kInfinity, kInfinity, "m", "nearer detections are dropped");
+  v.number("sensor/max_depth", &o.max_depth, 0.0, kInfinity, "m", "farther detections are dropped");
+  v.number("sensor/max_lateral", &o.max_lateral, 0.0, kInfinity, "m", "detections further aside are dropped");
+  v.number("sensor/range_scale", &o.range_scale, 0.1, 10.0, "-", "true distance over the measured one");
+  v.number("sensor/correlation_time", &o.correlation_time, 0.0, 1e4, "s",
+           "over which the errors of one landmark's sightings resemble each other; 0: independent");
+  v.choice<SensorOptions::NoiseSource>(
+      "sensor/noise_source", &o.noise_source,
+      {{"message", SensorOptions::NoiseSource::kMessage}, {"model", SensorOptions::NoiseSource::kModel}},
+      "message: the detection's own covariance, the model where it has none; model: always the model");
+  v.choice<SensorOptions::Model>("sensor/model", &o.model,
+                                 {{"depth_quadratic", SensorOptions::Model::kDepthQuadratic},
+                                  {"range_bearing", SensorOptions::Model::kRangeBearing}},
+                                 "the sensor's noise: a Kinect's by depth, or along and across the ray");
+  v.number("sensor/depth_a", &o.depth_a, -kInfinity, kInfinity, "-",
+           "depth_quadratic: variance a Z^2 + b Z + c");
+  v.number("sensor/depth_b", &o.depth_b, -kInfinity, kInfinity, "m", "depth_quadratic");
+  v.number("sensor/depth_c", &o.depth_c, -kInfinity, kInfinity, "m^2", "depth_quadratic");
+  v.number("sensor/range_noise", &o.range_noise, 0.0, 100.0, "m", "range_bearing: sigma of the range at 0 m");
+  v.number("sensor/range_noise_per_meter", &o.range_noise_per_meter, 0.0, 10.0, "-",
+           "range_bearing: its growth with distance");
+  v.number("sensor/bearing_noise_deg", &o.bearing_noise_deg, 1e-6, 90.0, "deg",
+           "range_bearing: sigma of the bearing");
+  if (o.min_depth > o.max_depth) {
+    throw ParameterError("sensor/min_depth: " + text_of(o.min_depth) +
+                         " given, allowed: at most sensor/max_depth, " + text_of(o.max_depth));
+  }
+}
+
+void visit(Visitor& v, EstimatorOptions& o, PipelineOptions& pipeline) {
+  v.require("estimator/type");
+  v.choice<EstimatorOptions::Type>(
+      "estimator/type", &o.type,
+      {{"ekf", EstimatorOptions::Type::kEkf}, {"dead_reckoning", EstimatorOptions::Type::kDeadReckoning}},
+      "ekf: the extended Kalman filter; dead_reckoning: open loop, landmarks are plotted where they are "
+      "seen");
+  std::string space = Planar::kName;
+  v.choice<std::string>("estimator/space", &space, {{Planar::kName, Planar::kName}}, "where the robot lives");
+  v.number("estimator/robust_threshold", &o.robust_threshold, 0.0, kInfinity, "-",
+           "an accepted sighting beyond this squared Mahalanobis distance pulls less; 0: never");
+  v.integer("estimator/replace_after", &o.replace_after, 0, 1000, "sightings",
+            "known identities: in a row that contradict a landmark place it anew; 0: never");
+  v.integer("estimator/max_landmarks", &o.max_landmarks, 1, 1000000, "landmarks", "more are refused");
+  InitialPoseOptions& start = pipeline.initial_pose;
+  v.number("estimator/initial_x", &start.x, -1e6, 1e6, "m", "where the robot starts in the map");
+  v.number("estimator/initial_y", &start.y, -1e6, 1e6, "m", "where the robot starts in the map");
+  v.number("estimator/initial_yaw_deg", &start.yaw_deg, -360.0, 360.0, "deg", "its heading there");
+  v.number("estimator/initial_position_sigma", &start.position_sigma, 1e-9, 1e3, "m",
+           "how sure that is; never zero");
+  v.number("estimator/initial_heading_sigma_deg", &start.heading_sigma_deg, 1e-9, 360.0, "deg",
+           "how sure that is; never zero");
+}
+
+void visit(Visitor& v, AssociationOptions& o) {
+  v.require("association/type");
+  v.choice<AssociationOptions::Type>(
+      "association/type", &o.type,
+      {{"known", AssociationOptions::Type::kKnown},
+       {"nearest_neighbor", AssociationOptions::Type::kNearestNeighbor}},
+      "known: by the detection's id; nearest_neighbor: by Mahalanobis distance");
+  v.number("association/gate_probability", &o.gate_probability, 1e-6, 1.0 - 1e-12, "-",
+           "share of true sightings that the gate lets through: 0.975 is alpha = 7.378 in the plane");
+  v.number("association/new_landmark_probability", &o.new_landmark_probability, 1e-6, 1.0 - 1e-12, "-",
+           "nearest_neighbor: a detection outside this gate of every landmark is a new one");
+  v.number("association/new_landmark_distance", &o.new_landmark_distance, 0.0, kInfinity, "m",
+           "nearest_neighbor: a detection nearer than this to a landmark is never a new one");
+  if (o.new_landmark_probability < o.gate_probability) {
+    throw ParameterError("association/new_landmark_probability: " + text_of(o.new_landmark_probability) +
+                         " given, allowed: at least association/gate_probability, " +
+                         text_of(o.gate_probability));
+  }
+}
+
+void visit(Visitor& v, MapOptions& o) {
+  v.text("map/directory", &o.directory, false, "the only folder that maps are saved to and loaded from");
+  v.text("map/file_name", &o.file_name, false, "used by the services when they name none");
+  v.boolean("map/load_at_start", &o.load_at_start, "load map/file_name when the node starts");
+  v.boolean("map/save_at_exit", &o.save_at_exit, "save map/file_name when the node stops");
+}
+
+void visit(Visitor& v, OutputOptions& o) {
+  v.boolean("output/publish_tf", &o.publish_tf, "map -> odom");
+  v.number("output/transform_tolerance", &o.transform_tolerance, 0.0, 10.0, "s",
+           "how far ahead map -> odom is dated, so that consumers need not wait");
+  v.number("output/marker_sigmas", &o.marker_sigmas, 0.1, 10.0, "sigma", "size of the ellipses in RViz");
+  v.number("output/marker_rate", &o.marker_rate, 0.1, 100.0, "Hz", "of markers, map and path");
+  v.number("output/path_step", &o.path_step, 0.0, 100.0, "m", "distance between poses of the path");
+  v.integer("output/path_length", &o.path_length, 1, 1000000, "poses", "older ones are dropped");
+  v.number("output/trajectory_rate", &o.trajectory_rate, 0.0, 10000.0, "Hz",
+           "of slam_replay's trajectory files, besides the frames with detections; 0: every frame");
+  v.number("output/pose_sigma_warning", &o.pose_sigma_warning, 1e-6, kInfinity, "m",
+           "diagnostics warn above this standard deviation of the position");
+}
+
+void visit(Visitor& v, RunOptions& o) {
+  v.choice<Mode>("mode", &o.pipeline.mode, {{"slam", Mode::kSlam}, {"localization", Mode::kLocalization}},
+                 "slam: map and localise; localization: a loaded map that is not changed");
+  visit(v, o.frames);
+  visit(v, o.sync);
+  visit(v, o.sync, o.pipeline.input);
+  visit(v, o.pipeline.motion);
+  visit(v, o.pipeline.sensor);
+  visit(v, o.pipeline.estimator, o.pipeline);
+  visit(v, o.pipeline.association);
+  visit(v, o.map);
+  visit(v, o.output);
+  if (std::abs(o.sync.odometry_delay) > o.sync.detection_delay) {
+    throw ParameterError("input/odometry_delay: " + text_of(o.sync.odometry_delay) +
+                         " given, allowed: no more than sync/detection_delay, " +
+                         text_of(o.sync.detection_delay));
+  }
+  const FrameOptions& frames = o.frames;
+  if (frames.map == frames.odom || frames.map == frames.base || frames.odom == frames.base) {
+    throw ParameterError("frames/map, frames/odom, frames/base: '" + frames.map + "', '" + frames.odom +
+                         "', '" + frames.base + "' given, allowed: three different frames");
+  }
+}
+
+}  // namespace
+
+RunOptions read_parameters(const YAML::Node& yaml, std::vector<std::string>* unread) {
+  RunOptions options;
+  Visitor visitor(&yaml);
+  visit(visitor, options);
+  std::ostringstream text;
+  text << yaml;
+  options.text = text.str();
+  if (unread != nullptr) *unread = visitor.unread();
+  return options;
+}
+
+std::vector<ParameterInfo> list_parameters() {
+  RunOptions options;
+  Visitor visitor(nullptr);
+  visit(visitor, options);
+  return visitor.infos();
+}
+
+YAML::Node merge_parameters(const YAML::Node& base, const YAML::Node& overlay) {
+  if (!base.IsMap() || !overlay.IsMap()) return overlay.IsDefined() && !overlay.IsNull() ? overlay : base;
+  YAML::Node merged = YAML::Clone(base);
+  for (const auto& entry : overlay) {
+    const auto key = entry.first.as<std::string>();
+    merged[key] = merged[key] ? merge_parameters(merged[key], entry.second) : entry.second;
+  }
+  return merged;
+}
+
+void set_parameter(const std::string& assignment, YAML::Node* yaml) {
+  const auto equals = assignment.find('=');
+  const auto slash = assignment.find('/');
+  if (equals == std::string::npos || equals == 0) {
+    throw ParameterError("'" + assignment + "' given, allowed: group/key=value");
+  }
+  const std::string key = assignment.substr(0, equals);
+  try {
+    const YAML::Node value = YAML::Load(assignment.substr(equals + 1));
+    if (slash < equals) {
+      (*yaml)[key.substr(0, slash)][key.substr(slash + 1)] = value;
+    } else {
+      (*yaml)[key] = value;
+    }
+  } catch (const YAML::Exception&) {
+    throw ParameterError(key + ": '" + assignment.substr(equals + 1) + "' is not YAML");
+  }
+}
+
+RunOptions read_run_options(const std::vector<std::string>& configs, const std::vector<std::string>& settings,
+                            const std::function<void(const std::string&)>& warn) {
+  YAML::Node yaml = YAML::Load(default_parameters());
+  for (const std::string& file : configs) {
+    try {
+      const YAML::Node overlay = YAML::LoadFile(file);
+      if (!overlay.IsMap() && !overlay.IsNull()) {
+        throw ParameterError(file + ": not a YAML map of parameter groups");
+      }
+      yaml = merge_parameters(yaml, overlay);
+    } catch (const YAML::BadFile&) {
+      throw ParameterError(file + ": cannot be read");
+    } catch (const YAML::Exception& error) {
+      throw ParameterError(file + ": not YAML: " + error.what());
+    }
+  }
+  for (const std::string& setting : settings) set_parameter(setting, &yaml);
+  std::vector<std::string> unread;
+  RunOptions options = read_parameters(yaml, &unread);
+  for (const std::string& key : unread) warn("parameter " + key + " is not known and was not read");
+  return options;
+}
+
+}  // namespace kinect_ekf_slam

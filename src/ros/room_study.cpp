@@ -1,0 +1,229 @@
+#include "kinect_ekf_slam/ros/room_study.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <limits>
+#include <mutex>
+#include <thread>
+
+#include "kinect_ekf_slam/core/angles.h"
+#include "kinect_ekf_slam/core/chi_square.h"
+#include "kinect_ekf_slam/pipeline/slam_pipeline.h"
+
+namespace kinect_ekf_slam {
+namespace {
+
+constexpr int kPoseDof = Planar::kPoseDim;
+
+/// e^T P^-1 e of the pose in the plane.
+double pose_nees(const Pose3d& estimate, const Se2& truth) {
+  const Se2 pose = Planar::pose_from_3d(estimate.map_from_base);
+  Eigen::Vector3d error;
+  error << pose.translation() - truth.translation(), wrap_angle(pose.angle() - truth.angle());
+  Eigen::Matrix3d covariance;
+  for (int i = 0; i < kPoseDof; ++i) {
+    for (int j = 0; j < kPoseDof; ++j) {
+      covariance(i, j) = estimate.covariance(Planar::kPoseAxes[i], Planar::kPoseAxes[j]);
+    }
+  }
+  return error.dot(covariance.ldlt().solve(error));
+}
+
+MapComparison compare(const World& world, const std::vector<Landmark3d>& map) {
+  const Se2 start_from_world = world.drive.world_from_start.inverse();
+  Points2d truth;
+  Points2d estimate;
+  for (const WorldLandmark& landmark : world.landmarks) {
+    truth.push_back(start_from_world * Eigen::Vector2d(landmark.position_in_world.head<2>()));
+  }
+  for (const Landmark3d& landmark : map) estimate.emplace_back(landmark.position_in_map.head<2>());
+  return compare_maps(truth, estimate);
+}
+
+RoomRun run_room(const RoomStudy& study, std::uint64_t seed) {
+  Simulator simulator(study.world, seed);
+  const auto pipeline = make_pipeline(study.pipeline);
+  const Se2 start_from_world = study.world.drive.world_from_start.inverse();
+  RoomRun run;
+  run.seed = seed;
+  double squared_errors = 0.0;
+  while (!simulator.finished()) {
+    const Sample sample = simulator.next();
+    const SlamResult result = pipeline->process(to_sensor_frame(sample, study.world));
+    run.seconds = to_seconds(sample.stamp);
+    if (!result.looked || run.seconds <= study.world.drive.standing_time) continue;
+    const Se2 start_from_base = start_from_world * sample.world_from_base;
+    squared_errors +=
+        (Planar::pose_from_3d(result.pose.map_from_base).translation() - start_from_base.translation())
+            .squaredNorm();
+    run.nees.push_back(pose_nees(result.pose, start_from_base));
+    run.nees_mean += run.nees.back();
+  }
+  const auto count = static_cast<double>(run.nees.size());
+  run.path_rmse = std::sqrt(squared_errors / count);
+  run.nees_mean /= count;
+  run.map = compare(study.world, pipeline->map());
+  return run;
+}
+
+template <class Figure>
+Spread spread(const std::vector<RoomRun>& runs, const Figure& figure) {
+  std::vector<double> values;
+  for (const RoomRun& run : runs) {
+    const auto value = static_cast<double>(figure(run));
+    values.push_back(std::isnan(value) ? std::numeric_limits<double>::infinity() : value);  // nothing matched
+  }
+  std::sort(values.begin(), values.end());
+  Spread result;
+  for (const double value : values) result.mean += value / static_cast<double>(values.size());
+  result.median = 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
+  result.worst = values.back();
+  return result;
+}
+
+/// Share of the times at which the runs' mean is in the bounds. All runs count up to the shortest one's end.
+double inside_share(const std::vector<RoomRun>& runs, double low, double high) {
+  std::size_t times = runs.front().nees.size();
+  for (const RoomRun& run : runs) times = std::min(times, run.nees.size());
+  std::size_t inside = 0;
+  for (std::size_t i = 0; i < times; ++i) {
+    double mean = 0.0;
+    for (const RoomRun& run : runs) mean += run.nees[i] / static_cast<double>(runs.size());
+    if (mean >= low && mean <= high) ++inside;
+  }
+  return static_cast<double>(inside) / static_cast<double>(times);
+}
+
+template <class... Values>
+std::string format(const char* pattern, Values... values) {
+  char line[256];
+  std::snprintf(line, sizeof(line), pattern, values...);
+  return line;
+}
+
+std::string number(double value) { return std::isfinite(value) ? format("%.6g", value) : "null"; }
+
+std::string json(const Spread& spread) {
+  return "{\"mean\": " + number(spread.mean) + ", \"median\": " + number(spread.median) +
+         ", \"worst\": " + number(spread.worst) + "}";
+}
+
+}  // namespace
+
+SensorFrame to_sensor_frame(const Sample& sample, const World& world) {
+  SensorFrame frame;
+  frame.stamp = sample.stamp;
+  if (sample.odometry) frame.odometry = sample.odometry->velocity;
+  if (sample.gyro_rate_in_imu) {
+    frame.gyro_rate = world.gyro.base_from_imu.linear() * *sample.gyro_rate_in_imu;
+  }
+  if (sample.sightings) {
+    frame.detections.emplace();
+    for (const Sighting& sighting : *sample.sightings) {
+      frame.detections->push_back(to_detection(sighting, world.sensor.base_from_optical));
+    }
+  }
+  return frame;
+}
+
+std::vector<RoomRun> run_study(const RoomStudy& study) {
+  const auto count = static_cast<std::size_t>(study.seeds);
+  std::vector<RoomRun> runs(count);
+  std::atomic<std::size_t> next{0};
+  std::atomic<std::size_t> done{0};
+  std::exception_ptr problem;
+  std::mutex problem_mutex;
+  const auto work = [&](bool reports) {
+    try {
+      for (std::size_t i = next++; i < count; i = next++) {
+        runs[i] = run_room(study, study.first_seed + i);
+        ++done;
+        if (reports && study.on_progress) {
+          study.on_progress(static_cast<double>(done) / static_cast<double>(count));
+        }
+      }
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(problem_mutex);
+      problem = std::current_exception();
+      next = count;
+    }
+  };
+  std::vector<std::thread> threads;
+  const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
+  for (unsigned i = 1; i < cores; ++i) threads.emplace_back(work, false);
+  work(true);
+  for (std::thread& thread : threads) thread.join();
+  if (problem) std::rethrow_exception(problem);
+  return runs;
+}
+
+RoomSummary summarize(const std::vector<RoomRun>& runs) {
+  RoomSummary summary;
+  summary.runs = runs.size();
+  if (runs.empty()) return summary;
+  const auto count = static_cast<double>(runs.size());
+  summary.true_landmarks = runs.front().map.true_landmarks;
+  const auto exact = std::count_if(runs.begin(), runs.end(), [](const RoomRun& run) {
+    return run.map.missed() == 0 && run.map.spurious() == 0;
+  });
+  summary.exact_count_share = static_cast<double>(exact) / count;
+  summary.missed = spread(runs, [](const RoomRun& run) { return run.map.missed(); });
+  summary.spurious = spread(runs, [](const RoomRun& run) { return run.map.spurious(); });
+  summary.landmark_rmse_aligned = spread(runs, [](const RoomRun& run) { return run.map.rmse_aligned; });
+  summary.landmark_rmse_start = spread(runs, [](const RoomRun& run) { return run.map.rmse; });
+  summary.path_rmse = spread(runs, [](const RoomRun& run) { return run.path_rmse; });
+  summary.nees = spread(runs, [](const RoomRun& run) { return run.nees_mean; });
+  summary.nees_low = chi_square_quantile(0.025, kPoseDof * count) / count;
+  summary.nees_high = chi_square_quantile(0.975, kPoseDof * count) / count;
+  summary.nees_inside_share = inside_share(runs, summary.nees_low, summary.nees_high);
+  return summary;
+}
+
+std::string to_table(const RoomSummary& s) {
+  const auto row = [](const char* name, const Spread& spread, int digits) {
+    return format("%-38s %9.*f %9.*f %9.*f\n", name, digits, spread.mean, digits, spread.median, digits,
+                  spread.worst);
+  };
+  return format("%-38s %9s %9s %9s\n", format("%zu runs", s.runs).c_str(), "mean", "median", "worst") +
+         row("landmark RMSE, aligned (m)", s.landmark_rmse_aligned, 4) +
+         row("landmark RMSE, in the start frame (m)", s.landmark_rmse_start, 4) +
+         row("path RMSE, in the start frame (m)", s.path_rmse, 4) + row("landmarks missed", s.missed, 2) +
+         row("landmarks too many", s.spurious, 2) + row("pose NEES (3 when consistent)", s.nees, 2) +
+         format("all %zu landmarks and no other: %.0f %% of the runs\n", s.true_landmarks,
+                100.0 * s.exact_count_share) +
+         format(
+             "NEES averaged over the runs: inside its 95 %% bounds, %.2f to %.2f, for %.0f %% of the time\n",
+             s.nees_low, s.nees_high, 100.0 * s.nees_inside_share);
+}
+
+std::string to_json(const RoomSummary& s, const std::vector<RoomRun>& runs) {
+  std::string text =
+      "{\n  \"runs\": " + std::to_string(s.runs) +
+      ",\n  \"true_landmarks\": " + std::to_string(s.true_landmarks) +
+      ",\n  \"exact_count_share\": " + number(s.exact_count_share) +
+      ",\n  \"landmarks_missed\": " + json(s.missed) + ",\n  \"landmarks_spurious\": " + json(s.spurious) +
+      ",\n  \"landmark_rmse_m\": " + json(s.landmark_rmse_aligned) +
+      ",\n  \"landmark_rmse_start_m\": " + json(s.landmark_rmse_start) +
+      ",\n  \"ate_rmse_start_m\": " + json(s.path_rmse) + ",\n  \"pose_nees\": " + json(s.nees) +
+      ",\n  \"pose_nees_bounds\": [" + number(s.nees_low) + ", " + number(s.nees_high) +
+      "],\n  \"pose_nees_inside_share\": " + number(s.nees_inside_share) + ",\n  \"seeds\": [\n";
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const RoomRun& run = runs[i];
+    text += "    {\"seed\": " + std::to_string(run.seed) +
+            ", \"landmarks\": " + std::to_string(run.map.estimated_landmarks) +
+            ", \"missed\": " + std::to_string(run.map.missed()) +
+            ", \"spurious\": " + std::to_string(run.map.spurious()) +
+            ", \"landmark_rmse_m\": " + number(run.map.rmse_aligned) +
+            ", \"landmark_max_m\": " + number(run.map.max_aligned) +
+            ", \"landmark_rmse_start_m\": " + number(run.map.rmse) +
+            ", \"ate_rmse_start_m\": " + number(run.path_rmse) + ", \"pose_nees\": " + number(run.nees_mean) +
+            ", \"seconds\": " + number(run.seconds) + "}" + (i + 1 < runs.size() ? ",\n" : "\n");
+  }
+  return text + "  ]\n}\n";
+}
+
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,184 @@
+#include "kinect_ekf_slam/ros/run_writer.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <numeric>
+#include <sstream>
+#include <stdexcept>
+
+#include "kinect_ekf_slam/core/atomic_file.h"
+
+namespace kinect_ekf_slam {
+namespace {
+
+/// Appends numbers fast: a run has millions of them.
+void append(std::string* text, double value, int digits = 9) {
+  if (!std::isfinite(value)) {
+    *text += "nan";
+    return;
+  }
+  char buffer[32];
+  const auto end = std::to_chars(buffer, buffer + sizeof(buffer), value, std::chars_format::general, digits);
+  text->append(buffer, end.ptr);
+}
+
+/// Seconds with all nine decimals.
+void append_time(std::string* text, TimeNs stamp) {
+  char buffer[40];
+  const int length =
+      std::snprintf(buffer, sizeof(buffer), "%lld.%09lld", static_cast<long long>(stamp / 1000000000),
+                    static_cast<long long>(stamp % 1000000000));
+  text->append(buffer, static_cast<std::size_t>(length));
+}
+
+void append_pose(std::string* text, TimeNs stamp, const Eigen::Isometry3d& map_from_base) {
+  append_time(text, stamp);
+  const Eigen::Quaterniond rotation(map_from_base.linear());
+  for (const double value :
+       {map_from_base.translation().x(), map_from_base.translation().y(), map_from_base.translation().z(),
+        rotation.x(), rotation.y(), rotation.z(), rotation.w()}) {
+    *text += ' ';
+    append(text, value);
+  }
+  *text += '\n';
+}
+
+void append_upper_triangle(std::string* text, const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
+  for (int i = 0; i < matrix.rows(); ++i) {
+    for (int j = i; j < matrix.cols(); ++j) {
+      *text += ',';
+      append(text, matrix(i, j));
+    }
+  }
+}
+
+/// A field of a CSV file: quoted when it has to be.
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string json_string(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    if (static_cast<unsigned char>(c) >= 0x20) quoted += c;
+  }
+  return quoted + "\"";
+}
+
+template <class Map>
+std::string json_counts(const Map& counts) {
+  std::string text = "{";
+  for (const auto& [name, count] : counts) {
+    text += (text.size() > 1 ? ", " : "") + json_string(name) + ": " + std::to_string(count);
+  }
+  return text + "}";
+}
+
+std::string covariance_header() {
+  const char* axes = "xyzrpw";
+  std::string header = "t";
+  for (int i = 0; i < 6; ++i) {
+    for (int j = i; j < 6; ++j) header += std::string(",c") + axes[i] + axes[j];
+  }
+  return header + "\n";
+}
+
+}  // namespace
+
+RunWriter::RunWriter(const std::string& directory, double trajectory_rate)
+    : directory_(directory), period_(trajectory_rate > 0.0 ? to_nanoseconds(1.0 / trajectory_rate) : 0) {
+  std::error_code error;
+  std::filesystem::create_directories(directory_, error);
+  if (error) throw std::runtime_error(directory_ + ": cannot be created: " + error.message());
+  restart();
+}
+
+void RunWriter::restart() {
+  trajectory_.text.clear();
+  dead_reckoning_.text.clear();
+  covariance_.text = covariance_header();
+  associations_.text = "t,detection,source_id,verdict,landmark,nis\n";
+  has_written_ = false;
+}
+
+RunWriter::~RunWriter() = default;
+
+void RunWriter::add(const SensorFrame& frame, const SlamResult& result) {
+  ++frames_;
+  if (result.looked) ++detection_frames_;
+  for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
+    const DetectionOutcome& outcome = result.outcomes[i];
+    ++verdicts_[static_cast<std::size_t>(outcome.verdict)];
+    append_time(&associations_.text, frame.stamp);
+    associations_.text += ',' + std::to_string(i) + ',' + std::to_string(outcome.source_id) + ',' +
+                          to_string(outcome.verdict) + ',' + std::to_string(outcome.landmark_id) + ',';
+    if (std::isfinite(outcome.nis)) append(&associations_.text, outcome.nis, 6);
+    associations_.text += '\n';
+  }
+  if (!result.finite) return;
+  const TimeNs stamp = result.pose.stamp;
+  if (has_written_ && (stamp <= last_written_ || (!result.looked && stamp - last_written_ < period_))) return;
+  has_written_ = true;
+  last_written_ = stamp;
+  append_pose(&trajectory_.text, stamp, result.pose.map_from_base);
+  append_pose(&dead_reckoning_.text, stamp, result.dead_reckoned);
+  append_time(&covariance_.text, stamp);
+  append_upper_triangle(&covariance_.text, result.pose.covariance);
+  covariance_.text += '\n';
+}
+
+void RunWriter::write_landmarks(const std::vector<Landmark3d>& map) {
+  std::string& text = landmarks_.text;
+  text = "id,label,x,y,z,cxx,cxy,cxz,cyy,cyz,czz,observations\n";
+  for (const Landmark3d& landmark : map) {
+    text += std::to_string(landmark.id) + ',' + csv_field(landmark.label);
+    for (const double value : landmark.position_in_map) {
+      text += ',';
+      append(&text, value);
+    }
+    append_upper_triangle(&text, landmark.covariance);
+    text += ',' + std::to_string(landmark.observations) + '\n';
+  }
+}
+
+void RunWriter::write_summary(const std::vector<Landmark3d>& map, const Summary& summary) {
+  std::vector<double> times = summary.update_milliseconds;
+  std::sort(times.begin(), times.end());
+  const double mean =
+      times.empty() ? 0.0
+                    : std::accumulate(times.begin(), times.end(), 0.0) / static_cast<double>(times.size());
+  const double percentile_99 = times.empty() ? 0.0 : times[(times.size() - 1) * 99 / 100];
+  std::map<std::string, std::uint64_t> verdicts;
+  for (int i = 0; i < kVerdictCount; ++i) {
+    if (verdicts_[i] > 0) verdicts[to_string(static_cast<Verdict>(i))] = verdicts_[i];
+  }
+  std::ostringstream json;
+  json << "{\n  \"bag\": " << json_string(summary.bag) << ",\n  \"wall_seconds\": " << summary.wall_seconds
+       << ",\n  \"cpu_seconds\": " << summary.cpu_seconds << ",\n  \"data_seconds\": " << summary.data_seconds
+       << ",\n  \"times_real_time\": "
+       << (summary.wall_seconds > 0.0 ? summary.data_seconds / summary.wall_seconds : 0.0)
+       << ",\n  \"frames\": " << frames_ << ",\n  \"detection_frames\": " << detection_frames_
+       << ",\n  \"detections\": " << json_counts(verdicts)
+       << ",\n  \"messages\": " << json_counts(summary.accepted)
+       << ",\n  \"messages_refused\": " << json_counts(summary.refusals)
+       << ",\n  \"landmarks\": " << map.size() << ",\n  \"update_ms_mean\": " << mean
+       << ",\n  \"update_ms_p99\": " << percentile_99 << "\n}\n";
+  summary_.text = json.str();
+}
+
+void RunWriter::finish(const std::vector<Landmark3d>& map, const Summary& summary) {
+  write_landmarks(map);
+  write_summary(map, summary);
+  for (const File* file :
+       {&trajectory_, &covariance_, &dead_reckoning_, &associations_, &landmarks_, &summary_}) {
+    write_file_atomically(directory_ + "/" + file->name, file->text);
+  }
+}
+
+}  // namespace kinect_ekf_slam

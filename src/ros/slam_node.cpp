@@ -1,0 +1,360 @@
+#include "kinect_ekf_slam/ros/slam_node.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "kinect_ekf_slam/core/angles.h"
+#include "kinect_ekf_slam/mapping/map_file.h"
+#include "kinect_ekf_slam/ros/conversions.h"
+#include "kinect_ekf_slam/ros/live_options.h"
+#include "kinect_ekf_slam/ros/names.h"
+#include "kinect_ekf_slam/ros/static_transforms.h"
+
+namespace kinect_ekf_slam {
+namespace {
+
+constexpr double kLogPeriod = 5.0;  // s between repeated warnings
+
+constexpr std::size_t kMostFrames = 100;  // that are remembered as unknown
+
+const char* mode_name(Mode mode) { return mode == Mode::kSlam ? "slam" : "localization"; }
+
+}  // namespace
+
+SlamNode::SlamNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
+                   tf2_ros::Buffer* transforms, const RunOptions& options)
+    : handle_(handle),
+      private_handle_(private_handle),
+      transforms_(transforms),
+      options_(options),
+      session_(options,
+               [this](const std::string& target, const std::string& source, const ros::Time& stamp) {
+                 return base_from(target, source, stamp);
+               },
+               {[this](const SensorFrame& frame, const SlamResult& result) { on_result(frame, result); },
+                [this] {
+                  ROS_WARN("Time went back: a new run starts.");
+                  forget_what_was_shown();
+                },
+                [](const std::string& line) { ROS_WARN_THROTTLE(kLogPeriod, "%s", line.c_str()); }}),
+      health_({handle_.resolveName(options.sync.odometry_topic),
+               options.sync.imu_topic.empty() ? "none" : handle_.resolveName(options.sync.imu_topic),
+               handle_.resolveName(options.sync.landmarks_topic), options.output.pose_sigma_warning},
+              ros::Time::now()),
+      painter_(options.frames.map, options.output.marker_sigmas),
+      path_(options.output.path_step, static_cast<std::size_t>(options.output.path_length)),
+      dead_reckoned_path_(options.output.path_step, static_cast<std::size_t>(options.output.path_length)),
+      diagnostics_(handle_, private_handle_) {
+  if (options_.map.load_at_start) {
+    session_.load(
+        read_map(MapDirectory(options_.map.directory).resolve(options_.map.file_name), options_.frames.map),
+        false);
+  } else if (options_.pipeline.mode == Mode::kLocalization) {
+    throw std::runtime_error("mode: localization needs a map: set map/load_at_start and map/file_name");
+  }
+  add_static_transforms(options_.frames.static_transforms, ros::Time::now(), transforms_);
+  connect();
+}
+
+void SlamNode::connect() {
+  const SyncOptions& sync = options_.sync;
+  const auto queue = static_cast<std::uint32_t>(sync.queue_size);
+  pose_publisher_ = private_handle_.advertise<geometry_msgs::PoseWithCovarianceStamped>(names::kPose, 10);
+  odometry_publisher_ = private_handle_.advertise<nav_msgs::Odometry>(names::kOdometry, 10);
+  path_publisher_ = private_handle_.advertise<nav_msgs::Path>(names::kPath, 1);
+  map_publisher_ = private_handle_.advertise<LandmarkMap>(names::kMap, 1, true);
+  marker_publisher_ = private_handle_.advertise<visualization_msgs::MarkerArray>(names::kMarkers, 1, true);
+  association_publisher_ = private_handle_.advertise<AssociationArray>(names::kAssociations, 10);
+  services_ = {private_handle_.advertiseService(names::kSaveMap, &SlamNode::save_map, this),
+               private_handle_.advertiseService(names::kLoadMap, &SlamNode::load_map, this),
+               private_handle_.advertiseService(names::kReset, &SlamNode::reset, this),
+               private_handle_.advertiseService(names::kPause, &SlamNode::pause, this),
+               private_handle_.advertiseService(names::kSetMode, &SlamNode::set_mode, this)};
+  subscribers_ = {handle_.subscribe(sync.odometry_topic, queue, &SlamNode::on_odometry, this),
+                  handle_.subscribe(sync.landmarks_topic, queue, &SlamNode::on_landmarks, this),
+                  handle_.subscribe(names::kInitialPose, 1, &SlamNode::on_initial_pose, this)};
+  if (!sync.imu_topic.empty())
+    subscribers_.push_back(handle_.subscribe(sync.imu_topic, queue, &SlamNode::on_imu, this));
+
+  live_ = std::make_unique<dynamic_reconfigure::Server<SlamConfig>>(
+      live_mutex_, ros::NodeHandle(private_handle_, names::kLive));
+  live_->updateConfig(to_live_config(options_));
+  live_->setCallback([this](SlamConfig& config, std::uint32_t) { on_live_change(config); });
+
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add("inputs", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
+    health_.report_inputs(session_.input(), ros::Time::now(), status);
+  });
+  diagnostics_.add("estimate", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
+    health_.report_estimate(status);
+  });
+  health_.set_state(mode_name(options_.pipeline.mode), paused_);
+  // Wall time: a simulated clock that stands still is worth a report as well.
+  diagnostics_timer_ =
+      private_handle_.createWallTimer(ros::WallDuration(diagnostics_.getPeriod()),
+                                      [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
+  scene_timer_ = private_handle_.createTimer(ros::Duration(1.0 / options_.output.marker_rate),
+                                             [this](const ros::TimerEvent&) { publish_scene(); });
+  publish_scene();
+}
+
+ros::Time SlamNode::now() {
+  const ros::Time now = ros::Time::now();
+  if (!last_now_.isZero() && (last_now_ - now).toSec() > options_.sync.time_jump) {
+    ROS_WARN("The clock went back by %.1f s: a new run starts.", (last_now_ - now).toSec());
+    session_.reset();
+    forget_what_was_shown();
+  }
+  last_now_ = now;
+  return now;
+}
+
+std::optional<Eigen::Isometry3d> SlamNode::base_from(const std::string& target, const std::string& source,
+                                                     const ros::Time& stamp) {
+  // A transform that comes late is waited for, but a missing one must not stop the node at each message.
+  constexpr double kPatience = 1.0;  // s between waits for a frame that is not there
+  const auto unknown = unknown_since_.find(source);
+  if (unknown == unknown_since_.end() || (ros::WallTime::now() - unknown->second).toSec() > kPatience) {
+    // Wall time: a simulated clock may stand still.
+    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(options_.frames.tf_timeout);
+    while (!transforms_->canTransform(target, source, stamp) && ros::WallTime::now() < end) {
+      ros::WallDuration(0.002).sleep();
+    }
+    unknown_since_[source] = ros::WallTime::now();
+    if (unknown_since_.size() > kMostFrames) unknown_since_.clear();
+  }
+  auto transform = lookup_transform(*transforms_, target, source, stamp);
+  if (transform) unknown_since_.erase(source);
+  return transform;
+}
+
+void SlamNode::on_odometry(const nav_msgs::Odometry::ConstPtr& message) {
+  const ros::Time time = now();
+  if (!session_.input().add_odometry(message, time)) return;
+  health_.note_input("odometry", time);
+  publish_pose(*message);
+}
+
+void SlamNode::on_imu(const sensor_msgs::Imu::ConstPtr& message) {
+  const ros::Time time = now();
+  if (session_.input().add_imu(message, time)) health_.note_input("imu", time);
+}
+
+void SlamNode::on_landmarks(const LandmarkDetectionArray::ConstPtr& message) {
+  const ros::Time time = now();
+  if (paused_) return;
+  if (session_.input().add_landmarks(message, time)) health_.note_input("landmarks", time);
+}
+
+void SlamNode::on_initial_pose(const geometry_msgs::PoseWithCovarianceStamped::ConstPtr& message) {
+  const std::string& frame_id = message->header.frame_id;
+  if (frame_id != options_.frames.map) {
+    ROS_WARN("initialpose: ignored, its frame is '%s', expected frames/map '%s'", frame_id.c_str(),
+             options_.frames.map.c_str());
+    return;
+  }
+  Pose3d pose;
+  pose.map_from_base = to_eigen(message->pose.pose);
+  const auto& q = message->pose.pose.orientation;
+  const bool has_orientation = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w > 1e-6;
+  const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> given(message->pose.covariance.data());
+  const Matrix6d symmetric = 0.5 * (given + given.transpose());
+  const bool has_covariance = given.allFinite() && given(0, 0) > 0.0 && given(1, 1) > 0.0 &&
+                              given(5, 5) > 0.0 && given.maxCoeff() <= 1e6 &&
+                              Eigen::SelfAdjointEigenSolver<Matrix6d>(symmetric).eigenvalues()(0) > -1e-9;
+  if (!pose.map_from_base.matrix().allFinite() || !has_orientation ||
+      (!has_covariance && !given.isZero(0.0))) {
+    ROS_WARN("initialpose: ignored, its pose or covariance is not finite or not positive");
+    return;
+  }
+  if (has_covariance) {
+    pose.covariance = symmetric;
+  } else {  // unknown is not zero
+    pose.covariance.diagonal() << 0.25, 0.25, 0.25, 0.07, 0.07, 0.07;
+  }
+  session_.set_pose(pose);
+  scene_changed_ = true;
+  ROS_INFO("initialpose: the robot is at (%.2f, %.2f) m", pose.map_from_base.translation().x(),
+           pose.map_from_base.translation().y());
+}
+
+void SlamNode::on_result(const SensorFrame& frame, const SlamResult& result) {
+  scene_changed_ = true;
+  finite_ = result.finite;
+  health_.note_result(result);
+  if (!result.finite) return;
+  dead_reckoned_path_.add(to_point(result.dead_reckoned.translation()));
+  if (!result.looked) return;
+  last_outcomes_ = result.outcomes;
+  association_publisher_.publish(to_message(result.outcomes, options_.frames.map, frame.stamp));
+}
+
+void SlamNode::on_live_change(const SlamConfig& config) {
+  if (!is_finite(config)) {
+    ROS_WARN("dynamic_reconfigure: ignored, a value is not finite");
+    return;
+  }
+  apply_live_config(config, &options_);
+  session_.set_live_options(options_.pipeline);
+  painter_.set_sigmas(options_.output.marker_sigmas);
+  scene_changed_ = true;
+}
+
+void SlamNode::publish_pose(const nav_msgs::Odometry& odometry) {
+  if (!finite_) return;
+  const Pose3d pose = session_.pose_at(to_time(odometry.header.stamp));
+  if (!pose.map_from_base.matrix().allFinite() || !pose.covariance.allFinite()) {
+    finite_ = false;
+    return;
+  }
+  health_.note_pose(pose);
+  geometry_msgs::PoseWithCovarianceStamped message;
+  message.header.frame_id = options_.frames.map;
+  message.header.stamp = odometry.header.stamp;
+  message.pose = to_pose_with_covariance(pose);
+  pose_publisher_.publish(message);
+
+  nav_msgs::Odometry in_map = odometry;
+  in_map.header = message.header;
+  in_map.child_frame_id = options_.frames.base;
+  in_map.pose = message.pose;
+  odometry_publisher_.publish(in_map);
+
+  if (path_.add(message.pose.pose.position)) {
+    geometry_msgs::PoseStamped step;
+    step.header = message.header;
+    step.pose = message.pose.pose;
+    path_message_.poses.push_back(step);
+    if (path_message_.poses.size() > path_.points().size()) {
+      path_message_.poses.erase(
+          path_message_.poses.begin(),
+          path_message_.poses.end() - static_cast<std::ptrdiff_t>(path_.points().size()));
+    }
+    scene_changed_ = true;
+  }
+  if (options_.output.publish_tf) publish_transform(pose, odometry.pose.pose);
+}
+
+void SlamNode::publish_transform(const Pose3d& pose, const geometry_msgs::Pose& odom_from_base) {
+  geometry_msgs::TransformStamped message;
+  message.header.frame_id = options_.frames.map;
+  message.header.stamp = to_ros(pose.stamp) + ros::Duration(options_.output.transform_tolerance);
+  // tf warns of repeated stamps; one that is much older is a new run's.
+  const double back = (last_transform_ - message.header.stamp).toSec();
+  if (back >= 0.0 && back <= options_.sync.time_jump) return;
+  last_transform_ = message.header.stamp;
+  message.child_frame_id = options_.frames.odom;
+  message.transform = to_transform(pose.map_from_base * to_eigen(odom_from_base).inverse());
+  broadcaster_.sendTransform(message);
+}
+
+void SlamNode::publish_scene() {
+  if (!scene_changed_ || !finite_) return;
+  scene_changed_ = false;
+  Scene scene;
+  scene.map = session_.pipeline().map();
+  scene.pose = session_.pose_at(session_.newest());
+  health_.note_map(scene.map.size());
+  map_publisher_.publish(to_message(scene.map, options_.frames.map, scene.pose.stamp));
+  if (path_publisher_.getNumSubscribers() > 0) {
+    path_message_.header.frame_id = options_.frames.map;
+    path_message_.header.stamp = to_ros(scene.pose.stamp);
+    path_publisher_.publish(path_message_);
+  }
+  scene.outcomes = last_outcomes_;
+  scene.path = path_.points();
+  scene.dead_reckoned_path = dead_reckoned_path_.points();
+  marker_publisher_.publish(painter_.paint(scene));
+}
+
+void SlamNode::forget_what_was_shown() {
+  path_.clear();
+  dead_reckoned_path_.clear();
+  path_message_.poses.clear();
+  last_outcomes_.clear();
+  finite_ = true;
+  health_.reset_estimate();
+  marker_publisher_.publish(painter_.clear());
+  scene_changed_ = true;
+}
+
+std::string SlamNode::save(const std::string& file_name) {
+  std::string path =
+      MapDirectory(options_.map.directory).resolve(file_name.empty() ? options_.map.file_name : file_name);
+  write_map(path, options_.frames.map, session_.pipeline().save(), options_.text);
+  return path;
+}
+
+bool SlamNode::save_map(SaveMap::Request& request, SaveMap::Response& response) {
+  try {
+    response.message = save(request.file_name);
+    response.success = true;
+  } catch (const MapFileError& error) {
+    response.message = error.what();
+  }
+  return true;
+}
+
+bool SlamNode::load_map(LoadMap::Request& request, LoadMap::Response& response) {
+  try {
+    const std::string path =
+        MapDirectory(options_.map.directory)
+            .resolve(request.file_name.empty() ? options_.map.file_name : request.file_name);
+    session_.load(read_map(path, options_.frames.map), request.keep_saved_pose);
+    forget_what_was_shown();
+    response.success = true;
+    response.message = path + ": " + std::to_string(session_.pipeline().map().size()) + " landmarks";
+  } catch (const std::exception& error) {
+    response.message = error.what();
+  }
+  return true;
+}
+
+bool SlamNode::reset(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
+  session_.reset();
+  forget_what_was_shown();
+  response.success = true;
+  response.message = options_.pipeline.mode == Mode::kSlam
+                         ? "pose and map are forgotten"
+                         : "the pose is that of the parameters again; the map stays";
+  return true;
+}
+
+bool SlamNode::pause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
+  paused_ = request.data;
+  health_.set_state(mode_name(options_.pipeline.mode), paused_);
+  response.success = true;
+  response.message = paused_ ? "paused: detections are not used, odometry still moves the pose" : "running";
+  return true;
+}
+
+bool SlamNode::set_mode(SetMode::Request& request, SetMode::Response& response) {
+  if (request.mode != "slam" && request.mode != "localization") {
+    response.message = "mode: '" + request.mode + "' given, allowed: slam, localization";
+    return true;
+  }
+  const Mode mode = request.mode == "slam" ? Mode::kSlam : Mode::kLocalization;
+  if (mode == Mode::kLocalization && session_.pipeline().map().empty()) {
+    response.message = "mode: localization needs a map: load one or drive first";
+    return true;
+  }
+  session_.set_mode(mode);
+  options_.pipeline.mode = mode;
+  health_.set_state(request.mode, paused_);
+  response.success = true;
+  response.message = "mode is " + request.mode;
+  return true;
+}
+
+void SlamNode::shut_down() {
+  if (!options_.map.save_at_exit) return;
+  try {
+    std::printf("slam_node: map saved to %s\n", save("").c_str());
+  } catch (const MapFileError& error) {
+    std::fprintf(stderr, "slam_node: map not saved: %s\n", error.what());
+  }
+}
+
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,243 @@
+#include "kinect_ekf_slam/simulation/simulator.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kinect_ekf_slam/core/angles.h"
+#include "kinect_ekf_slam/models/sensor_model.h"
+
+namespace kinect_ekf_slam {
+namespace {
+
+constexpr double kMinute = 60.0;  // s
+
+enum Stream : std::uint32_t { kWheelStream, kGyroStream, kSensorStream };
+
+Eigen::Vector3d normal_vector(RandomStream& random) {
+  const double x = random.normal();  // one after the other: the order of arguments is not defined
+  const double y = random.normal();
+  const double z = random.normal();
+  return {x, y, z};
+}
+
+double approach(double present, double wanted, double largest_change) {
+  return present + std::clamp(wanted - present, -largest_change, largest_change);
+}
+
+std::vector<std::string> labels_of(const std::vector<WorldLandmark>& landmarks) {
+  std::vector<std::string> labels;
+  labels.reserve(landmarks.size());
+  for (const WorldLandmark& landmark : landmarks) labels.push_back(landmark.label);
+  std::sort(labels.begin(), labels.end());
+  labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
+  return labels;
+}
+
+/// The report's noise for a cylinder seen there, m^2: one formula for the simulation and the estimate.
+Eigen::Matrix3d report_covariance(const Eigen::Vector3d& position_in_optical) {
+  Detection detection;
+  detection.position_in_optical = position_in_optical;
+  return with_noise(detection, SensorOptions())
+      .covariance_in_base;  // base and optical axes taken for the same
+}
+
+}  // namespace
+
+Detection to_detection(const Sighting& sighting, const Eigen::Isometry3d& base_from_optical) {
+  Detection detection;
+  detection.position_in_optical = sighting.position_in_optical;
+  detection.base_from_optical = base_from_optical.linear();
+  detection.position_in_base = base_from_optical * sighting.position_in_optical;
+  detection.covariance_in_base =
+      detection.base_from_optical * sighting.covariance_in_optical * detection.base_from_optical.transpose();
+  detection.signature.source_id = sighting.id;
+  detection.signature.label = sighting.label;
+  detection.signature.radius = sighting.radius;
+  detection.score = sighting.score;
+  return detection;
+}
+
+Simulator::Simulator(const World& world, std::uint64_t seed)
+    : world_(world),
+      labels_(labels_of(world.landmarks)),
+      driver_(world.drive),
+      wheel_random_(seed, kWheelStream),
+      gyro_random_(seed, kGyroStream),
+      sensor_random_(seed, kSensorStream),
+      odometry_ticker_{world.wheels.rate},
+      gyro_ticker_{world.gyro.rate},
+      sensor_ticker_{world.sensor.rate},
+      world_from_base_(world.drive.world_from_start) {
+  for (double& scale : wheel_scale_) scale = 1.0 + world.wheels.scale_sigma * wheel_random_.normal();
+  gyro_scale_ = Eigen::Vector3d::Ones() + world.gyro.scale_sigma * normal_vector(gyro_random_);
+  gyro_bias_in_imu_ = world.gyro.bias_sigma * normal_vector(gyro_random_);
+}
+
+Sample Simulator::next() {
+  advance(std::min({odometry_ticker_.due(), gyro_ticker_.due(), sensor_ticker_.due()}));
+  Sample sample;
+  sample.stamp = now_;
+  sample.world_from_base = world_from_base_;
+  if (gyro_ticker_.take(now_)) sample.gyro_rate_in_imu = read_gyro();
+  if (sensor_ticker_.take(now_)) sample.sightings = look();
+  if (odometry_ticker_.take(now_)) {
+    sample.odometry = read_wheels();
+    choose_velocity();
+  }
+  return sample;
+}
+
+bool Simulator::finished() const {
+  return !command_ && driver_.done() && velocity_.linear.isZero(0.0) && velocity_.angular.isZero(0.0);
+}
+
+void Simulator::advance(TimeNs stamp) {
+  const double dt = to_seconds(stamp - now_);
+  const double forward = velocity_.linear.x() * dt;
+  const double turn = velocity_.angular.z() * dt;
+  world_from_base_ = world_from_base_ * Se2::exp({forward, 0.0, turn});
+  const double difference = 0.5 * world_.wheels.separation * turn;
+  travel_ += Eigen::Vector2d(forward - difference, forward + difference);
+  now_ = stamp;
+}
+
+/// The velocity of the next control period: what is wanted, as far as motors, walls and cylinders allow.
+void Simulator::choose_velocity() {
+  const DriveOptions& drive = world_.drive;
+  const double period = 1.0 / world_.wheels.rate;
+  const BodyVelocity wanted = command_ ? *command_ : driver_.command(now_, world_from_base_);
+  const double speed = std::clamp(wanted.linear.x(), -drive.max_speed, drive.max_speed);
+  const double rate = std::clamp(wanted.angular.z(), -drive.max_turn_rate, drive.max_turn_rate);
+  velocity_.linear.x() = approach(velocity_.linear.x(), speed, drive.max_acceleration * period);
+  velocity_.angular.z() = approach(velocity_.angular.z(), rate, drive.max_turn_acceleration * period);
+  const Eigen::Vector3d step(velocity_.linear.x() * period, 0.0, velocity_.angular.z() * period);
+  if (!is_free(world_from_base_ * Se2::exp(step))) velocity_.linear.x() = 0.0;
+}
+
+bool Simulator::is_free(const Se2& world_from_base) const {
+  const Eigen::Vector2d& position = world_from_base.translation();
+  const double radius = world_.drive.robot_radius;
+  if ((position.array() < radius).any() || (position.array() > world_.room_size.array() - radius).any()) {
+    return false;
+  }
+  return std::none_of(world_.landmarks.begin(), world_.landmarks.end(), [&](const WorldLandmark& landmark) {
+    return (landmark.position_in_world.head<2>() - position).norm() < radius + landmark.radius;
+  });
+}
+
+WheelOdometry Simulator::read_wheels() {
+  const double dt = to_seconds(now_ - last_odometry_);
+  const bool moved = !travel_.isZero(0.0);
+  if (moved && now_ >= slip_end_ && wheel_random_.chance(world_.wheels.slips_per_minute * dt / kMinute)) {
+    slipping_wheel_ = static_cast<int>(wheel_random_.index(2));
+    slip_end_ = now_ + to_nanoseconds(world_.wheels.slip_time);
+  }
+  const double left = read_wheel(0, travel_(0));
+  const double right = read_wheel(1, travel_(1));
+  travel_.setZero();
+  last_odometry_ = now_;
+
+  const Eigen::Vector3d step(0.5 * (left + right), 0.0, (right - left) / world_.wheels.separation);
+  odom_from_base_ = odom_from_base_ * Se2::exp(step);
+  WheelOdometry odometry{odom_from_base_, {}};
+  if (dt > 0.0) {
+    odometry.velocity.linear.x() = step.x() / dt;
+    odometry.velocity.angular.z() = step.z() / dt;
+  }
+  return odometry;
+}
+
+double Simulator::read_wheel(int wheel, double travel) {
+  const double slip = now_ < slip_end_ && wheel == slipping_wheel_ ? world_.wheels.slip_share : 0.0;
+  const double noise = world_.wheels.noise * std::sqrt(std::abs(travel)) * wheel_random_.normal();
+  return wheel_scale_(wheel) * (1.0 + slip) * travel + noise;
+}
+
+Eigen::Vector3d Simulator::read_gyro() {
+  const double dt = to_seconds(now_) - gyro_bias_time_;
+  gyro_bias_time_ = to_seconds(now_);
+  gyro_bias_in_imu_ += world_.gyro.bias_walk * std::sqrt(dt) * normal_vector(gyro_random_);
+  const Eigen::Vector3d rate_in_imu = world_.gyro.base_from_imu.linear().transpose() * velocity_.angular;
+  return gyro_scale_.cwiseProduct(rate_in_imu) + gyro_bias_in_imu_ +
+         world_.gyro.noise * normal_vector(gyro_random_);
+}
+
+std::vector<Sighting> Simulator::look() {
+  const Eigen::Isometry3d world_from_optical =
+      Planar::to_3d(world_from_base_) * world_.sensor.base_from_optical;
+  std::vector<Sighting> sightings;
+  for (const WorldLandmark& landmark : world_.landmarks) {
+    if (auto sighting = see(landmark, world_from_optical)) sightings.push_back(std::move(*sighting));
+  }
+  if (sensor_random_.chance(world_.sensor.false_per_minute / (kMinute * world_.sensor.rate))) {
+    sightings.push_back(imagine());
+  }
+  return sightings;
+}
+
+std::optional<Sighting> Simulator::see(const WorldLandmark& landmark,
+                                       const Eigen::Isometry3d& world_from_optical) {
+  const KinectOptions& sensor = world_.sensor;
+  const Eigen::Vector3d position = world_from_optical.inverse() * landmark.position_in_world;
+  const double edge = std::tan(0.5 * radians(sensor.field_of_view_deg));
+  const bool in_view = position.z() >= sensor.min_depth && position.z() <= sensor.max_depth &&
+                       std::abs(position.x()) <= edge * position.z();
+  if (!in_view || is_hidden(landmark, world_from_optical.translation())) return std::nullopt;
+  if (sensor_random_.chance(sensor.miss_rate)) return std::nullopt;
+
+  const Eigen::Matrix3d covariance = sensor.noise_scale * sensor.noise_scale * report_covariance(position);
+  Sighting sighting;
+  sighting.position_in_optical =
+      position + covariance.diagonal().cwiseSqrt().cwiseProduct(normal_vector(sensor_random_));
+  if (sensor.reports_covariance) sighting.covariance_in_optical = covariance;
+  sighting.radius = std::max(0.001, landmark.radius + sensor.radius_noise * sensor_random_.normal());
+  sighting.score = sensor_random_.uniform(0.6, 1.0);
+  sighting.label = landmark.label;
+  if (sensor.reports_identity) sighting.id = landmark.id;
+  if (sensor_random_.chance(sensor.gross_error_rate)) {
+    const double size = sensor_random_.uniform(0.0, sensor.gross_error_size);
+    const double direction = sensor_random_.uniform(-kPi, kPi);
+    sighting.position_in_optical += size * Eigen::Vector3d(std::sin(direction), 0.0, std::cos(direction));
+  }
+  if (sensor_random_.chance(sensor.wrong_label_rate)) sighting.label = other_label(landmark.label);
+  return sighting;
+}
+
+/// True when the line of sight to the landmark's axis goes through another cylinder.
+bool Simulator::is_hidden(const WorldLandmark& landmark, const Eigen::Vector3d& sensor_in_world) const {
+  const Eigen::Vector2d origin = sensor_in_world.head<2>();
+  const Eigen::Vector2d sight = landmark.position_in_world.head<2>() - origin;
+  const double distance = sight.norm();
+  return std::any_of(world_.landmarks.begin(), world_.landmarks.end(), [&](const WorldLandmark& other) {
+    const Eigen::Vector2d to_other = other.position_in_world.head<2>() - origin;
+    const double along = sight.dot(to_other) / distance;
+    const double aside = sight.dot(quarter_turn() * to_other) / distance;
+    return other.id != landmark.id && along > 0.0 && along < distance && std::abs(aside) < other.radius;
+  });
+}
+
+/// A detection of what is not there, anywhere in view.
+Sighting Simulator::imagine() {
+  const KinectOptions& sensor = world_.sensor;
+  const double edge = std::tan(0.5 * radians(sensor.field_of_view_deg));
+  Sighting sighting;
+  const double depth = sensor_random_.uniform(sensor.min_depth, sensor.max_depth);
+  sighting.position_in_optical = Eigen::Vector3d(depth * sensor_random_.uniform(-edge, edge), 0.0, depth);
+  if (sensor.reports_covariance) {
+    sighting.covariance_in_optical =
+        sensor.noise_scale * sensor.noise_scale * report_covariance(sighting.position_in_optical);
+  }
+  if (!labels_.empty()) sighting.label = labels_[sensor_random_.index(labels_.size())];
+  sighting.radius = sensor_random_.uniform(0.03, 0.12);
+  sighting.score = sensor_random_.uniform(0.3, 0.8);
+  return sighting;
+}
+
+std::string Simulator::other_label(const std::string& label) {
+  if (labels_.size() < 2) return label;
+  const auto own = std::lower_bound(labels_.begin(), labels_.end(), label) - labels_.begin();
+  return labels_[(static_cast<std::size_t>(own) + 1 + sensor_random_.index(labels_.size() - 1)) %
+                 labels_.size()];
+}
+
+}  // namespace kinect_ekf_slam

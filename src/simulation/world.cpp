@@ -1,0 +1,304 @@
+#include "kinect_ekf_slam/simulation/world.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "kinect_ekf_slam/core/angles.h"
+
+namespace kinect_ekf_slam {
+namespace {
+
+constexpr double kLargestRoom = 1000.0;  // m
+constexpr int kLargestCount = 1000000;
+
+std::string text_of(const YAML::Node& node) {
+  YAML::Emitter text;
+  text.SetSeqFormat(YAML::Flow);
+  text.SetMapFormat(YAML::Flow);
+  text << node;
+  return text.c_str();
+}
+
+std::string text_of(int value) { return std::to_string(value); }
+
+std::string text_of(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+/// One map of the file. Remembers what was asked for, so that what nobody asked for can be refused.
+class Section {
+ public:
+  Section(const YAML::Node& node, std::string file, std::string path)
+      : node_(node), file_(std::move(file)), path_(std::move(path)) {
+    if (node_.IsDefined() && !node_.IsNull() && !node_.IsMap())
+      fail(path_, node_, "a map of keys and values");
+  }
+
+  Section section(const std::string& key) {
+    const YAML::Node node = find(key);
+    return {node, file_, name(key)};
+  }
+
+  std::vector<Section> list(const std::string& key, const std::string& allowed) {
+    const YAML::Node node = required(key, allowed);
+    if (!node.IsSequence()) fail(name(key), node, allowed);
+    std::vector<Section> sections;
+    for (std::size_t i = 0; i < node.size(); ++i) {
+      const std::string item = name(key) + "[" + std::to_string(i) + "]";
+      if (!node[i].IsMap()) fail(item, node[i], "a map of keys and values");
+      sections.emplace_back(node[i], file_, item);
+    }
+    return sections;
+  }
+
+  /// Keeps the value it has when the key is not there.
+  void number(const std::string& key, double low, double high, double* value) {
+    const YAML::Node node = find(key);
+    if (node) *value = in_range(name(key), node, low, high);
+  }
+  void required_number(const std::string& key, double low, double high, double* value) {
+    *value = in_range(name(key), required(key, "a number " + range(low, high)), low, high);
+  }
+  void integer(const std::string& key, int low, int high, int* value) {
+    const YAML::Node node = find(key);
+    if (node) *value = whole(key, node, low, high);
+  }
+  void required_integer(const std::string& key, int low, int high, int* value) {
+    *value = whole(key, required(key, "a whole number " + range(low, high)), low, high);
+  }
+  void boolean(const std::string& key, bool* value) {
+    const YAML::Node node = find(key);
+    if (node && !YAML::convert<bool>::decode(node, *value)) fail(name(key), node, "true or false");
+  }
+  void required_text(const std::string& key, std::string* value) {
+    const YAML::Node node = required(key, "text, not empty");
+    if (!node.IsScalar() || node.Scalar().empty()) fail(name(key), node, "text, not empty");
+    *value = node.Scalar();
+  }
+  Eigen::Vector2d required_point(const std::string& key, const Eigen::Vector2d& low,
+                                 const Eigen::Vector2d& high) {
+    const YAML::Node node = required(key, "[x, y] in m");
+    return point(name(key), node, low, high);
+  }
+  std::vector<Eigen::Vector2d> points(const std::string& key, const Eigen::Vector2d& low,
+                                      const Eigen::Vector2d& high) {
+    std::vector<Eigen::Vector2d> found;
+    const YAML::Node node = find(key);
+    if (!node) return found;
+    if (!node.IsSequence()) fail(name(key), node, "a list of [x, y] in m");
+    for (std::size_t i = 0; i < node.size(); ++i) {
+      found.push_back(point(name(key) + "[" + std::to_string(i) + "]", node[i], low, high));
+    }
+    return found;
+  }
+  /// {xyz: [m], rpy_deg: [deg, fixed axes]}
+  Eigen::Isometry3d mounting(const std::string& key) {
+    Section mount = section(key);
+    const Eigen::Vector3d xyz = mount.triple("xyz", kLargestRoom);
+    const Eigen::Vector3d rpy_deg = mount.triple("rpy_deg", 360.0);
+    mount.refuse_unknown();
+    Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
+    transform.translation() = xyz;
+    transform.linear() = (Eigen::AngleAxisd(radians(rpy_deg.z()), Eigen::Vector3d::UnitZ()) *
+                          Eigen::AngleAxisd(radians(rpy_deg.y()), Eigen::Vector3d::UnitY()) *
+                          Eigen::AngleAxisd(radians(rpy_deg.x()), Eigen::Vector3d::UnitX()))
+                             .toRotationMatrix();
+    return transform;
+  }
+
+  void refuse_unknown() const {
+    if (!node_.IsDefined() || !node_.IsMap()) return;
+    for (const auto& entry : node_) {
+      const std::string key = text_of(entry.first);
+      if (known_.count(key) > 0) continue;
+      std::string allowed;
+      for (const std::string& candidate : known_) allowed += (allowed.empty() ? "" : ", ") + candidate;
+      throw WorldFileError(file_ + ": " + name(key) + ": is not known, allowed: " + allowed);
+    }
+  }
+
+  [[noreturn]] void fail(const std::string& key, const YAML::Node& node, const std::string& allowed) const {
+    fail(key, text_of(node), allowed);
+  }
+  [[noreturn]] void fail(const std::string& key, const std::string& given, const std::string& allowed) const {
+    throw WorldFileError(file_ + ": " + (key.empty() ? "" : key + ": ") + "'" + given +
+                         "' given, allowed: " + allowed);
+  }
+
+  std::string name(const std::string& key) const { return path_.empty() ? key : path_ + "/" + key; }
+
+ private:
+  YAML::Node find(const std::string& key) {
+    known_.insert(key);
+    if (!node_.IsDefined() || !node_.IsMap()) return YAML::Node(YAML::NodeType::Undefined);
+    return static_cast<const YAML::Node&>(node_)[key];
+  }
+
+  YAML::Node required(const std::string& key, const std::string& allowed) {
+    const YAML::Node node = find(key);
+    if (!node) throw WorldFileError(file_ + ": " + name(key) + ": is missing, allowed: " + allowed);
+    return node;
+  }
+
+  template <class Value>
+  static std::string range(Value low, Value high) {
+    return "from " + text_of(low) + " to " + text_of(high);
+  }
+
+  double in_range(const std::string& key, const YAML::Node& node, double low, double high) const {
+    double value = 0.0;
+    const bool is_number = node.IsScalar() && YAML::convert<double>::decode(node, value);
+    if (!is_number || !(value >= low && value <= high)) fail(key, node, "a number " + range(low, high));
+    return value;
+  }
+
+  int whole(const std::string& key, const YAML::Node& node, int low, int high) const {
+    int value = 0;
+    const bool is_whole = node.IsScalar() && YAML::convert<int>::decode(node, value);
+    if (!is_whole || value < low || value > high) fail(name(key), node, "a whole number " + range(low, high));
+    return value;
+  }
+
+  Eigen::Vector2d point(const std::string& key, const YAML::Node& node, const Eigen::Vector2d& low,
+                        const Eigen::Vector2d& high) const {
+    if (!node.IsSequence() || node.size() != 2) fail(key, node, "[x, y] in m");
+    return {in_range(key + "[0]", node[0], low.x(), high.x()),
+            in_range(key + "[1]", node[1], low.y(), high.y())};
+  }
+
+  Eigen::Vector3d triple(const std::string& key, double limit) {
+    const YAML::Node node = required(key, "three numbers");
+    if (!node.IsSequence() || node.size() != 3) fail(name(key), node, "three numbers");
+    Eigen::Vector3d values;
+    for (int i = 0; i < 3; ++i) {
+      values(i) = in_range(name(key) + "[" + std::to_string(i) + "]", node[i], -limit, limit);
+    }
+    return values;
+  }
+
+  YAML::Node node_;
+  std::string file_;
+  std::string path_;
+  std::set<std::string> known_;
+};
+
+void read_landmarks(Section& root, World* world) {
+  std::set<int> ids;
+  for (Section& item : root.list("landmarks", "a list of {id, label, x, y, z, radius}")) {
+    WorldLandmark landmark;
+    Eigen::Vector3d& position = landmark.position_in_world;
+    item.required_integer("id", 0, kLargestCount, &landmark.id);
+    item.required_text("label", &landmark.label);
+    item.required_number("x", 0.0, world->room_size.x(), &position.x());
+    item.required_number("y", 0.0, world->room_size.y(), &position.y());
+    item.required_number("z", 0.0, 10.0, &position.z());
+    item.required_number("radius", 0.001, 10.0, &landmark.radius);
+    item.refuse_unknown();
+    if (!ids.insert(landmark.id).second) {
+      item.fail(item.name("id"), std::to_string(landmark.id), "a number that no other landmark has");
+    }
+    world->landmarks.push_back(landmark);
+  }
+}
+
+void read_drive(Section drive, const Eigen::Vector2d& room_size, DriveOptions* o) {
+  drive.number("robot_radius", 0.0, 0.4 * room_size.minCoeff(), &o->robot_radius);
+  const Eigen::Vector2d low = Eigen::Vector2d::Constant(o->robot_radius);
+  const Eigen::Vector2d high = room_size - low;
+  Section start = drive.section("start");
+  Eigen::Vector2d position;
+  double yaw_deg = 0.0;
+  start.required_number("x", low.x(), high.x(), &position.x());
+  start.required_number("y", low.y(), high.y(), &position.y());
+  start.required_number("yaw_deg", -360.0, 360.0, &yaw_deg);
+  start.refuse_unknown();
+  o->world_from_start = Se2(position, radians(yaw_deg));
+  o->waypoints_in_world = drive.points("waypoints", low, high);
+  drive.integer("loops", 1, kLargestCount, &o->loops);
+  drive.number("standing_time", 0.0, 3600.0, &o->standing_time);
+  drive.number("max_speed", 0.001, 10.0, &o->max_speed);
+  drive.number("max_turn_rate", 0.001, 20.0, &o->max_turn_rate);
+  drive.number("max_acceleration", 0.001, 100.0, &o->max_acceleration);
+  drive.number("max_turn_acceleration", 0.001, 1000.0, &o->max_turn_acceleration);
+  drive.refuse_unknown();
+}
+
+void read_wheels(Section wheels, WheelOptions* o) {
+  wheels.number("rate", 1.0, 1000.0, &o->rate);
+  wheels.number("separation", 0.01, 10.0, &o->separation);
+  wheels.number("scale_sigma", 0.0, 0.5, &o->scale_sigma);
+  wheels.number("noise", 0.0, 1.0, &o->noise);
+  wheels.number("slips_per_minute", 0.0, 600.0, &o->slips_per_minute);
+  wheels.number("slip_share", 0.0, 10.0, &o->slip_share);
+  wheels.number("slip_time", 0.0, 60.0, &o->slip_time);
+  wheels.refuse_unknown();
+}
+
+void read_gyro(Section gyro, GyroOptions* o) {
+  gyro.number("rate", 1.0, 1000.0, &o->rate);
+  gyro.number("noise", 0.0, 10.0, &o->noise);
+  gyro.number("scale_sigma", 0.0, 0.5, &o->scale_sigma);
+  gyro.number("bias_sigma", 0.0, 10.0, &o->bias_sigma);
+  gyro.number("bias_walk", 0.0, 10.0, &o->bias_walk);
+  o->base_from_imu = gyro.mounting("base_from_imu");
+  gyro.refuse_unknown();
+}
+
+void read_sensor(Section sensor, KinectOptions* o) {
+  sensor.number("rate", 0.1, 1000.0, &o->rate);
+  sensor.number("field_of_view_deg", 1.0, 179.0, &o->field_of_view_deg);
+  sensor.number("min_depth", 0.0, 100.0, &o->min_depth);
+  sensor.number("max_depth", o->min_depth, 100.0, &o->max_depth);
+  sensor.number("noise_scale", 0.0, 100.0, &o->noise_scale);
+  sensor.number("radius_noise", 0.0, 1.0, &o->radius_noise);
+  sensor.number("miss_rate", 0.0, 1.0, &o->miss_rate);
+  sensor.number("false_per_minute", 0.0, 60.0 * o->rate, &o->false_per_minute);
+  sensor.number("gross_error_rate", 0.0, 1.0, &o->gross_error_rate);
+  sensor.number("gross_error_size", 0.0, 100.0, &o->gross_error_size);
+  sensor.number("wrong_label_rate", 0.0, 1.0, &o->wrong_label_rate);
+  sensor.boolean("reports_covariance", &o->reports_covariance);
+  sensor.boolean("reports_identity", &o->reports_identity);
+  o->base_from_optical = sensor.mounting("base_from_optical");
+  sensor.refuse_unknown();
+}
+
+World read(const YAML::Node& yaml, const std::string& file) {
+  Section root(yaml, file, "");
+  World world;
+  Section room = root.section("room");
+  world.room_size =
+      room.required_point("size", Eigen::Vector2d::Constant(0.5), Eigen::Vector2d::Constant(kLargestRoom));
+  room.refuse_unknown();
+  read_landmarks(root, &world);
+  read_drive(root.section("drive"), world.room_size, &world.drive);
+  read_wheels(root.section("wheels"), &world.wheels);
+  read_gyro(root.section("gyro"), &world.gyro);
+  read_sensor(root.section("sensor"), &world.sensor);
+  root.refuse_unknown();
+  return world;
+}
+
+}  // namespace
+
+World parse_world(const std::string& yaml, const std::string& name) {
+  try {
+    return read(YAML::Load(yaml), name);
+  } catch (const YAML::Exception& error) {
+    throw WorldFileError(name + ": not YAML: " + error.what());
+  }
+}
+
+World read_world(const std::string& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  if (!(text << file.rdbuf())) throw WorldFileError(path + ": cannot be read");
+  return parse_world(text.str(), path);
+}
+
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,46 @@
+"""What the package has to reach on recorded data by others; skipped without the data."""
+import os
+import sys
+import tempfile
+import unittest
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+sys.path.insert(0, os.path.join(ROOT, "scripts"))
+
+import evaluate_real_data as real  # noqa: E402
+
+DATA = real.default_data()
+
+
+@unittest.skipUnless(os.path.isdir(os.path.join(DATA, "mrclam6")), "no recorded data: set SLAM_DATA to their folder")
+class RealData(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.out = folder.name
+
+    def test_mrclam_with_known_identities(self):
+        results = real.mrclam(DATA, self.out)
+        self.assertLessEqual(real.mean(results, "ate_rmse_m"), 0.21)
+        self.assertLessEqual(max(result["ate_rmse_m"] for result in results), 0.33)
+        self.assertLessEqual(real.mean(results, "landmark_rmse_m"), 0.08)
+        self.assertGreaterEqual(real.mean(results, "pose_nees_mean"), 1.5)
+        self.assertLessEqual(real.mean(results, "pose_nees_mean"), 5.0)
+        for result in results:
+            self.assertEqual((result["landmarks_estimated"], result["landmarks_missed"]), (15, 0))
+
+    def test_turtlebot3_without_identities(self):
+        result = real.turtlebot3(DATA, self.out)
+        self.assertEqual((result["landmarks_estimated"], result["landmarks_spurious"]), (9, 0))
+        self.assertLessEqual(result["landmark_max_m"], 0.05)
+
+    def test_husky_heading_by_its_gyro(self):
+        error = {source: result["ate_rmse_m"] for source, result in real.husky(DATA, self.out).items()}
+        self.assertAlmostEqual(error["odometry"], 6.9, delta=0.3)
+        for source in ("gyrodometry", "gyrodometry_report", "imu"):
+            self.assertLessEqual(error[source], 3.3, source)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,242 @@
+#include "kinect_ekf_slam/ros/bag_replay.h"
+
+#include <gtest/gtest.h>
+#include <kinect_ekf_slam/LandmarkDetectionArray.h>
+#include <nav_msgs/Odometry.h>
+#include <rosbag/bag.h>
+#include <std_msgs/String.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <algorithm>
+
+#include "kinect_ekf_slam/ros/parameters.h"
+#include "test/support/temporary_folder.h"
+
+namespace kinect_ekf_slam {
+namespace {
+
+using testing::message_of;
+using testing::read_text;
+using testing::TemporaryFolder;
+using testing::write_text;
+
+constexpr double kStart = 100.0;  // s
+constexpr double kSpeed = 0.1;    // m/s
+constexpr int kSteps = 100;       // at 20 Hz
+
+nav_msgs::Odometry odometry(double time) {
+  nav_msgs::Odometry message;
+  message.header.stamp = ros::Time(time);
+  message.header.frame_id = "odom";
+  message.child_frame_id = "base_footprint";
+  message.pose.pose.orientation.w = 1.0;
+  message.twist.twist.linear.x = kSpeed;
+  return message;
+}
+
+/// Two cylinders, seen by a camera that looks ahead from 0.2 m before the robot's centre.
+LandmarkDetectionArray landmarks(double time) {
+  LandmarkDetectionArray message;
+  message.header.stamp = ros::Time(time);
+  message.header.frame_id = "camera_optical_frame";
+  for (const double aside : {-0.4, 0.4}) {
+    LandmarkDetection detection;
+    detection.id = aside < 0.0 ? 4 : 7;
+    detection.label = aside < 0.0 ? "left, \"red\"" : "right";
+    detection.position.x = aside;
+    detection.position.z = 2.0 - kSpeed * (time - kStart) - 0.2;
+    message.detections.push_back(detection);
+  }
+  return message;
+}
+
+tf2_msgs::TFMessage camera_mounting() {
+  tf2_msgs::TFMessage message;
+  message.transforms.resize(1);
+  geometry_msgs::TransformStamped& transform = message.transforms[0];
+  transform.header.frame_id = "base_footprint";
+  transform.child_frame_id = "camera_optical_frame";
+  transform.transform.translation.x = 0.2;
+  transform.transform.rotation.x = -0.5;
+  transform.transform.rotation.y = 0.5;
+  transform.transform.rotation.z = -0.5;
+  transform.transform.rotation.w = 0.5;
+  return message;
+}
+
+class BagReplay : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    request_.bag = folder_ / "run.bag";
+    request_.output_directory = folder_ / "out";
+    set({});
+  }
+
+  void set(std::vector<std::string> settings) {
+    settings.insert(settings.begin(), "association/type=known");
+    request_.options = read_run_options({}, settings, [](const std::string& line) { ADD_FAILURE() << line; });
+  }
+
+  void write_run(const std::string& prefix = "/") const {
+    rosbag::Bag bag(request_.bag, rosbag::bagmode::Write);
+    bag.write("/tf_static", ros::Time(kStart), camera_mounting());
+    for (int i = 0; i < kSteps; ++i) {
+      const double time = kStart + 0.05 * i;
+      bag.write(prefix + "odom", ros::Time(time), odometry(time));
+      if (i % 4 == 0)
+        bag.write(prefix + "landmarks", ros::Time(time + 0.03), landmarks(time));  // pictures are late
+    }
+  }
+  std::string refusal() {
+    return message_of<std::runtime_error>([&] { replay_bag(request_); });
+  }
+  std::string out(const std::string& name) const { return read_text(request_.output_directory + "/" + name); }
+  static long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+
+  TemporaryFolder folder_;
+  ReplayRequest request_;
+};
+
+TEST_F(BagReplay, MapsWhatTheBagShows) {
+  write_run();
+  const ReplayReport report = replay_bag(request_);
+  EXPECT_EQ(report.landmarks, 2U);
+  EXPECT_EQ(report.detection_frames, 25U);
+  EXPECT_NEAR(report.data_seconds, 0.05 * (kSteps - 1), 0.05);
+}
+
+TEST_F(BagReplay, WritesItsFiles) {
+  write_run();
+  replay_bag(request_);
+  for (const char* name : {"trajectory.tum", "trajectory_covariance.csv", "dead_reckoning.tum",
+                           "landmarks.csv", "associations.csv", "summary.json"}) {
+    EXPECT_NE(out(name), "") << name;
+  }
+  EXPECT_EQ(out("landmarks.csv").rfind("id,label,x,y,z,cxx,cxy,cxz,cyy,cyz,czz,observations\n", 0), 0U);
+  EXPECT_EQ(lines(out("landmarks.csv")), 3);
+  EXPECT_NE(out("landmarks.csv").find("\"left, \"\"red\"\"\""), std::string::npos) << "labels are quoted";
+  EXPECT_EQ(out("associations.csv")
+                .rfind("t,detection,source_id,verdict,landmark,nis\n100.000000000,0,4,created,4,", 0),
+            0U);
+  EXPECT_EQ(lines(out("associations.csv")), 1 + 50);
+  const std::string summary = out("summary.json");
+  for (const char* part : {"\"landmarks\": 2", "\"detection_frames\": 25", "\"created\": 2",
+                           "\"matched\": 48", "\"odometry\": 100", "\"messages_refused\": {}"}) {
+    EXPECT_NE(summary.find(part), std::string::npos) << part << " is not in\n" << summary;
+  }
+}
+
+TEST_F(BagReplay, FollowsTheRobot) {
+  write_run();
+  replay_bag(request_);
+  const std::string trajectory = out("trajectory.tum");
+  const auto last = trajectory.find_last_of('\n', trajectory.size() - 2);
+  std::istringstream line(trajectory.substr(last + 1));
+  double time = 0.0;
+  double x = 0.0;
+  double y = 0.0;
+  line >> time >> x >> y;
+  EXPECT_NEAR(time, kStart + 0.05 * (kSteps - 1), 0.05);
+  EXPECT_NEAR(x, kSpeed * (time - kStart), 0.01);
+  EXPECT_NEAR(y, 0.0, 0.01);
+}
+
+TEST_F(BagReplay, GivesTheSameFilesAgain) {
+  write_run();
+  replay_bag(request_);
+  const std::string first = out("trajectory.tum") + out("landmarks.csv") + out("associations.csv");
+  replay_bag(request_);
+  EXPECT_EQ(out("trajectory.tum") + out("landmarks.csv") + out("associations.csv"), first);
+}
+
+TEST_F(BagReplay, FindsTopicsRecordedWithoutASlash) {
+  write_run("");
+  EXPECT_EQ(replay_bag(request_).landmarks, 2U);
+}
+
+TEST_F(BagReplay, WritesNothingWhenNotAsked) {
+  write_run();
+  request_.output_directory.clear();
+  EXPECT_EQ(replay_bag(request_).landmarks, 2U);
+  EXPECT_EQ(folder_.entries(), 1U);
+}
+
+TEST_F(BagReplay, CountsAndTellsWhatItRefuses) {
+  write_run();
+  set({"frames/base=base_link"});
+  std::vector<std::string> warnings;
+  request_.on_warning = [&](const std::string& line) { warnings.push_back(line); };
+  EXPECT_EQ(replay_bag(request_).landmarks, 0U);
+  EXPECT_NE(out("summary.json").find("\"odometry: frame\": 100"), std::string::npos);
+  EXPECT_GE(warnings.size(), 100U);
+}
+
+TEST_F(BagReplay, SaysThatThereIsNoSuchFile) {
+  const std::string line = refusal();
+  EXPECT_EQ(line.rfind(request_.bag + ": ", 0), 0U) << line;
+  EXPECT_EQ(line.find('\n'), std::string::npos);
+}
+
+TEST_F(BagReplay, SaysThatAFileIsNoBag) {
+  for (const std::string& text : {std::string(), std::string("hello"), std::string(10000, 'x')}) {
+    write_text(request_.bag, text);
+    const std::string line = refusal();
+    EXPECT_EQ(line.rfind(request_.bag + ": not a readable bag: ", 0), 0U) << line;
+    EXPECT_EQ(line.find('\n'), std::string::npos);
+  }
+}
+
+TEST_F(BagReplay, SaysThatABagIsCutOff) {
+  write_run();
+  const std::string whole = read_text(request_.bag);
+  for (const std::size_t size : {whole.size() / 4, whole.size() / 2, whole.size() - 100}) {
+    write_text(request_.bag, whole.substr(0, size));
+    const std::string line = refusal();
+    EXPECT_EQ(line.rfind(request_.bag + ": ", 0), 0U) << line;
+    EXPECT_EQ(line.find('\n'), std::string::npos);
+  }
+}
+
+TEST_F(BagReplay, SaysThatThereIsNoOdometry) {
+  {
+    rosbag::Bag bag(request_.bag, rosbag::bagmode::Write);
+    bag.write("/landmarks", ros::Time(kStart), landmarks(kStart));
+    bag.write("/wheel_odom", ros::Time(kStart), odometry(kStart));
+  }
+  EXPECT_EQ(
+      refusal(),
+      request_.bag + ": no odometry on '/odom' (sync/odometry_topic); the bag has /landmarks, /wheel_odom");
+}
+
+TEST_F(BagReplay, SaysThatABagIsEmpty) {
+  { const rosbag::Bag bag(request_.bag, rosbag::bagmode::Write); }
+  EXPECT_EQ(refusal(), request_.bag + ": no odometry on '/odom' (sync/odometry_topic); the bag has nothing");
+}
+
+TEST_F(BagReplay, SaysThatATopicIsOfAnotherType) {
+  {
+    rosbag::Bag bag(request_.bag, rosbag::bagmode::Write);
+    bag.write("/odom", ros::Time(kStart), odometry(kStart));
+    bag.write("/landmarks", ros::Time(kStart), std_msgs::String());
+  }
+  EXPECT_EQ(refusal(), request_.bag +
+                           ": '/landmarks' (sync/landmarks_topic) is std_msgs/String, expected "
+                           "kinect_ekf_slam/LandmarkDetectionArray");
+}
+
+TEST_F(BagReplay, SaysWhereItCannotWrite) {
+  write_run();
+  write_text(folder_ / "file", "");
+  request_.output_directory = folder_ / "file/out";
+  EXPECT_EQ(refusal(), request_.output_directory + ": cannot be created: Not a directory");
+}
+
+TEST_F(BagReplay, LocalisesInAMapThatIsLoaded) {
+  set({"map/directory=" + folder_.path(), "map/file_name=absent.yaml", "map/load_at_start=true",
+       "mode=localization"});
+  write_run();
+  EXPECT_EQ(refusal(), folder_ / "absent.yaml" + ": cannot be read: No such file or directory");
+}
+
+}  // namespace
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,52 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "kinect_ekf_slam/ros/parameters.h"
+#include "kinect_ekf_slam/ros/room_study.h"
+
+namespace kinect_ekf_slam {
+namespace {
+
+RoomSummary study(const std::string& world, int seeds, const std::vector<std::string>& settings) {
+  const auto folder = std::filesystem::path(__FILE__).parent_path() / "../../config/worlds";
+  RoomStudy study;
+  study.world = read_world((folder / world).string());
+  study.seeds = seeds;
+  study.pipeline = read_run_options({}, settings, [](const std::string& line) { FAIL() << line; }).pipeline;
+  return summarize(run_study(study));
+}
+
+/// The report's conditions with the defaults: a Kinect whose single sightings are 3 to 10 cm off, ten
+/// cylinders.
+TEST(RoomStudy, TheDefaultsMapTheRoomToFiveCentimetres) {
+  const RoomSummary summary = study("room.yaml", 50, {});
+  EXPECT_LE(summary.landmark_rmse_aligned.mean, 0.05);
+  EXPECT_LE(summary.landmark_rmse_aligned.worst, 0.09);
+  EXPECT_EQ(summary.exact_count_share, 1.0) << "every landmark once and nothing else";
+  EXPECT_LE(summary.nees.mean, 3.5) << "not surer of the pose than it may be";
+}
+
+TEST(RoomStudy, EveryLandmarkIsFoundWithAPoorDetector) {
+  const RoomSummary summary = study("room_hard.yaml", 50, {});
+  EXPECT_EQ(summary.missed.worst, 0.0);
+  EXPECT_LE(summary.landmark_rmse_aligned.mean, 0.05);
+  EXPECT_LE(summary.landmark_rmse_aligned.worst, 0.09);
+}
+
+TEST(RoomStudy, TheMapIsBetterThanDeadReckonings) {
+  const RoomSummary slam = study("room.yaml", 20, {});
+  const RoomSummary open_loop = study("room.yaml", 20, {"estimator/type=dead_reckoning"});
+  EXPECT_LT(2.0 * slam.landmark_rmse_aligned.mean, open_loop.landmark_rmse_aligned.mean);
+  EXPECT_LT(2.0 * slam.path_rmse.mean, open_loop.path_rmse.mean);
+}
+
+TEST(RoomStudy, TheSameSeedsGiveTheSameFigures) {
+  const RoomSummary first = study("room.yaml", 4, {});
+  const RoomSummary second = study("room.yaml", 4, {});
+  EXPECT_EQ(first.landmark_rmse_aligned.mean, second.landmark_rmse_aligned.mean);
+  EXPECT_EQ(first.nees.worst, second.nees.worst);
+}
+
+}  // namespace
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,19 @@
+"""Waiting for conditions; the tests of the nodes never wait for a time."""
+import threading
+import time
+
+POLL_PERIOD = 0.002  # s
+DEADLINE = 8.0  # s of wall time; a loaded machine needs some
+
+
+def wait_until(condition, what, timeout=DEADLINE):
+    """Returns what `condition()` returns as soon as that is true; fails saying `what` did not happen."""
+    end = time.monotonic() + timeout
+    pause = threading.Event()
+    while True:
+        value = condition()
+        if value:
+            return value
+        if time.monotonic() > end:
+            raise AssertionError("waited %.1f s in vain until %s" % (timeout, what() if callable(what) else what))
+        pause.wait(POLL_PERIOD)

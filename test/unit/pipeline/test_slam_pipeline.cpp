@@ -1,0 +1,333 @@
+#include "kinect_ekf_slam/pipeline/slam_pipeline.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "kinect_ekf_slam/core/angles.h"
+#include "test/support/frames.h"
+#include "test/support/matchers.h"
+
+namespace kinect_ekf_slam {
+namespace {
+
+using testing::detection;
+using testing::detection_frame;
+using testing::gyro_frame;
+using testing::MatrixNear;
+using testing::odometry_frame;
+using testing::wide_open;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+double x_of(const SlamResult& result) { return result.pose.map_from_base.translation().x(); }
+double yaw_of(const Pose3d& pose) { return Planar::pose_from_3d(pose.map_from_base).angle(); }
+
+TEST(SlamPipeline, TheMotionOfAFrameHoldsUntilTheNext) {
+  const auto pipeline = make_pipeline(wide_open());
+  EXPECT_NEAR(x_of(pipeline->process(odometry_frame(1.0, 1.0))), 0.0, 1e-12);
+  EXPECT_NEAR(x_of(pipeline->process(odometry_frame(1.5, 2.0))), 0.5, 1e-12);
+  EXPECT_NEAR(x_of(pipeline->process(odometry_frame(1.75, 0.0))), 1.0, 1e-12);
+  EXPECT_NEAR(x_of(pipeline->process(odometry_frame(2.5, 0.0))), 1.0, 1e-12);
+}
+
+TEST(SlamPipeline, ThePoseMovesBeforeTheFirstLandmark) {
+  const auto pipeline = make_pipeline(wide_open());
+  pipeline->process(odometry_frame(1.0, 1.0, 0.5));
+  const SlamResult start = pipeline->process(odometry_frame(1.1, 1.0, 0.5));
+  const SlamResult later = pipeline->process(odometry_frame(1.9, 1.0, 0.5));
+  EXPECT_GT(x_of(later), x_of(start));
+  EXPECT_NEAR(yaw_of(later.pose), 0.45, 1e-12);
+  EXPECT_GT(later.pose.covariance.trace(), start.pose.covariance.trace());
+  EXPECT_TRUE(pipeline->map().empty());
+}
+
+TEST(SlamPipeline, StartsWhereTheOptionsSay) {
+  PipelineOptions options = wide_open();
+  options.initial_pose = {2.0, -1.0, 90.0, 0.2, 3.0};
+  const Pose3d pose = make_pipeline(options)->process(odometry_frame(1.0, 0.0)).pose;
+  EXPECT_TRUE(MatrixNear(pose.map_from_base.translation(), Eigen::Vector3d(2.0, -1.0, 0.0), 1e-12));
+  EXPECT_NEAR(yaw_of(pose), 0.5 * kPi, 1e-12);
+  EXPECT_NEAR(pose.covariance(0, 0), 0.04, 1e-12);
+  EXPECT_NEAR(pose.covariance(5, 5), std::pow(radians(3.0), 2), 1e-12);
+}
+
+TEST(SlamPipeline, SaturatesBeforeItMoves) {
+  PipelineOptions options = wide_open();
+  options.input.max_linear_speed = 0.22;
+  const auto pipeline = make_pipeline(options);
+  pipeline->process(odometry_frame(1.0, 5.0));
+  EXPECT_NEAR(x_of(pipeline->process(odometry_frame(2.0, 5.0))), 0.22, 1e-12);
+}
+
+TEST(SlamPipeline, TurnsWithTheGyroThatItIsToldToBelieve) {
+  PipelineOptions options = wide_open();
+  options.input.heading_source = HeadingSource::kImu;
+  const auto pipeline = make_pipeline(options);
+  pipeline->process(odometry_frame(1.0, 0.1, 0.5));
+  pipeline->process(gyro_frame(1.0, 0.3));
+  EXPECT_NEAR(yaw_of(pipeline->process(odometry_frame(1.05, 0.1, 0.5)).pose), 0.015, 1e-12);
+}
+
+/// First it moves, then it looks: a landmark is placed from where the robot is at the time of the sighting.
+TEST(SlamPipeline, PredictsBeforeItObserves) {
+  const auto pipeline = make_pipeline(wide_open());
+  pipeline->process(odometry_frame(1.0, 1.0));
+  const SlamResult result = pipeline->process(detection_frame(1.5, {detection(2.0, 0.0, 1)}));
+  ASSERT_EQ(pipeline->map().size(), 1U);
+  EXPECT_NEAR(pipeline->map()[0].position_in_map.x(), 2.5, 1e-12);
+  EXPECT_NEAR(result.outcomes[0].position_in_map.x(), 2.5, 1e-12);
+}
+
+TEST(SlamPipeline, CorrectsThePoseAndNotTheDeadReckoning) {
+  const auto pipeline = make_pipeline(wide_open());
+  pipeline->process(odometry_frame(1.0, 1.0));
+  pipeline->process(detection_frame(1.0, {detection(2.0, 0.0, 1), detection(2.0, 1.0, 2)}));
+  const SlamResult result =
+      pipeline->process(detection_frame(1.5, {detection(1.6, 0.0, 1), detection(1.6, 1.0, 2)}));
+  EXPECT_EQ(result.outcomes[0].verdict, Verdict::kMatched);
+  EXPECT_EQ(result.dof, 4);
+  EXPECT_GT(result.nis, 0.0);
+  EXPECT_LT(x_of(result), 0.499);
+  EXPECT_NEAR(result.dead_reckoned.translation().x(), 0.5, 1e-12);
+}
+
+TEST(SlamPipeline, RefusesDetectionsOlderThanTheEstimate) {
+  const auto pipeline = make_pipeline(wide_open());
+  pipeline->process(odometry_frame(1.0, 1.0));
+  const SlamResult before = pipeline->process(odometry_frame(2.0, 1.0));
+  const SlamResult late = pipeline->process(detection_frame(1.5, {detection(2.0, 0.0, 1)}));
+  EXPECT_EQ(late.outcomes[0].verdict, Verdict::kLate);
+  EXPECT_TRUE(pipeline->map().empty());
+  EXPECT_EQ(late.pose.stamp, before.pose.stamp);
+  EXPECT_TRUE(MatrixNear(late.pose.map_from_base.matrix(), before.pose.map_from_base.matrix(), 0.0));
+}
+
+TEST(SlamPipeline, ARepeatedStampMovesNothing) {
+  const auto pipeline = make_pipeline(wide_open());
+  pipeline->process(odometry_frame(1.0, 1.0));
+  const SlamResult once = pipeline->process(odometry_frame(2.0, 1.0));
+  for (int i = 0; i < 5; ++i) {
+    const SlamResult again = pipeline->process(odometry_frame(2.0, 1.0));
+    EXPECT_TRUE(MatrixNear(again.pose.map_from_base.matrix(), once.pose.map_from_base.matrix(), 0.0));
+    EXPECT_TRUE(MatrixNear(again.pose.covariance, once.pose.covariance, 0.0));
+  }
+  EXPECT_NEAR(x_of(pipeline->process(odometry_frame(2.5, 1.0))), 1.5, 1e-12);
+}
+
+TEST(SlamPipeline, CountsWhatIsInvalidAndTakesTheRest) {
+  std::vector<Detection> detections(6, detection(2.0, 0.0, 1));
+  detections[0].position_in_base.x() = kNan;
+  detections[1].covariance_in_base(0, 0) = kNan;
+  detections[2].covariance_in_base = -Eigen::Matrix3d::Identity();
+  detections[3].covariance_in_base(0, 1) = 0.002;  // not symmetric
+  detections[4].position_in_base.y() = std::numeric_limits<double>::infinity();
+  const auto pipeline = make_pipeline(wide_open());
+  const SlamResult result = pipeline->process(detection_frame(1.0, detections));
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(result.outcomes[i].verdict, Verdict::kInvalid) << i;
+  EXPECT_EQ(result.outcomes[5].verdict, Verdict::kCreated);
+  EXPECT_TRUE(result.finite);
+  EXPECT_EQ(pipeline->map().size(), 1U);
+}
+
+TEST(SlamPipeline, GatesByRangeAndKeepsTheOrderOfOutcomes) {
+  PipelineOptions options = wide_open();
+  options.sensor = SensorOptions();
+  const auto pipeline = make_pipeline(options);
+  const SlamResult result = pipeline->process(
+      detection_frame(1.0, {detection(0.5, 0.0, 4), detection(1.0, 0.0, 5), detection(3.0, 0.0, 6)}));
+  EXPECT_EQ(result.outcomes[0].verdict, Verdict::kOutOfRange);
+  EXPECT_EQ(result.outcomes[1].verdict, Verdict::kCreated);
+  EXPECT_EQ(result.outcomes[2].verdict, Verdict::kOutOfRange);
+  EXPECT_EQ(result.outcomes[1].source_id, 5);
+}
+
+TEST(SlamPipeline, WithoutACovarianceTheModelSaysHowSureASightingIs) {
+  const auto pipeline = make_pipeline(wide_open());
+  Detection bare = detection(1.0, 0.0, 1);
+  bare.covariance_in_base.setZero();
+  EXPECT_EQ(pipeline->process(detection_frame(1.0, {bare})).outcomes[0].verdict, Verdict::kCreated);
+  EXPECT_NEAR(pipeline->map()[0].covariance(0, 0), 0.00121425 + 1e-6, 1e-8);
+}
+
+TEST(SlamPipeline, LookingAndSeeingNothingIsNotTheSameAsNotLooking) {
+  const auto pipeline = make_pipeline(wide_open());
+  EXPECT_TRUE(pipeline->process(detection_frame(1.0, {})).looked);
+  EXPECT_FALSE(pipeline->process(odometry_frame(1.1, 0.0)).looked);
+}
+
+TEST(SlamPipeline, LooksAheadAsItWillGo) {
+  const auto pipeline = make_pipeline(wide_open());
+  pipeline->process(odometry_frame(1.0, 1.0, 0.3));
+  pipeline->process(detection_frame(1.2, {detection(2.0, 0.0, 1)}));
+  const std::deque<SensorFrame> waiting = {odometry_frame(1.3, 0.8, 0.5), gyro_frame(1.35, 0.4),
+                                           odometry_frame(1.4, 0.6, -0.2), odometry_frame(1.9, 3.0, 3.0)};
+  const SavedState before = pipeline->save();
+  const Pose3d ahead = pipeline->look_ahead(waiting, to_nanoseconds(1.6));
+  EXPECT_TRUE(MatrixNear(pipeline->save().covariance, before.covariance, 0.0));
+  EXPECT_TRUE(MatrixNear(pipeline->save().pose, before.pose, 0.0));
+
+  for (int i = 0; i < 3; ++i) pipeline->process(waiting[i]);
+  SensorFrame nothing;
+  nothing.stamp = to_nanoseconds(1.6);
+  const Pose3d later = pipeline->process(nothing).pose;
+  EXPECT_EQ(ahead.stamp, later.stamp);
+  EXPECT_TRUE(MatrixNear(ahead.map_from_base.matrix(), later.map_from_base.matrix(), 1e-12));
+  EXPECT_TRUE(MatrixNear(ahead.covariance, later.covariance, 1e-12));
+}
+
+TEST(SlamPipeline, AGapInTheOdometryGrowsTheUncertainty) {
+  PipelineOptions options = wide_open();
+  options.input.max_odometry_gap = 0.5;
+  const auto with_gap = make_pipeline(options);
+  with_gap->process(odometry_frame(1.0, 1.0));
+  const SlamResult result = with_gap->process(odometry_frame(5.0, 1.0));
+  EXPECT_NEAR(x_of(result), 0.5, 1e-12) << "the velocity holds half a second";
+  const auto without = make_pipeline(options);
+  without->process(odometry_frame(1.0, 1.0));
+  const SlamResult held = without->process(odometry_frame(1.5, 1.0));
+  EXPECT_GT(result.pose.covariance(0, 0), held.pose.covariance(0, 0) + 3.0);  // 1 m/s for 3.5 s
+}
+
+/// A robot that creeps and stops often, with a biased gyro: it neither runs away nor turns while it stands.
+TEST(SlamPipeline, KeepsItsPlaceInASlowStopAndGoRun) {
+  PipelineOptions options;
+  options.association.type = AssociationOptions::Type::kKnown;
+  const auto pipeline = make_pipeline(options);
+  double truth = 0.0;
+  SlamResult result;
+  for (int i = 0; i < 3000; ++i) {  // 20 Hz, 150 s
+    const double time = 1.0 + 0.05 * i;
+    const double speed = (i / 100) % 3 == 1 ? 0.02 : 0.0;
+    pipeline->process(gyro_frame(time, 0.02));
+    result = pipeline->process(odometry_frame(time, speed));
+    if (i % 20 == 0) {
+      result = pipeline->process(
+          detection_frame(time, {detection(2.4 - truth, 0.5, 1), detection(2.4 - truth, -0.5, 2)}));
+    }
+    truth += 0.05 * speed;
+  }
+  EXPECT_NEAR(pipeline->gyro_bias().z(), 0.02, 1e-3);
+  EXPECT_NEAR(x_of(result), truth, 0.02);
+  EXPECT_NEAR(yaw_of(result.pose), 0.0, 0.01);
+  EXPECT_EQ(pipeline->map().size(), 2U);
+}
+
+TEST(SlamPipeline, SavesAndLoads) {
+  const auto first = make_pipeline(wide_open());
+  first->process(odometry_frame(1.0, 0.5));
+  first->process(detection_frame(1.5, {detection(2.0, 0.0, 1), detection(1.0, 1.0, 2)}));
+  const SavedState saved = first->save();
+  EXPECT_EQ(saved.space, "planar");
+  EXPECT_EQ(saved.stamp, to_nanoseconds(1.5));
+
+  const auto second = make_pipeline(wide_open());
+  second->load(saved, true);
+  const SavedState again = second->save();
+  EXPECT_TRUE(MatrixNear(again.pose, saved.pose, 0.0));
+  EXPECT_TRUE(MatrixNear(again.landmarks_in_map, saved.landmarks_in_map, 0.0));
+  EXPECT_TRUE(MatrixNear(again.covariance, saved.covariance, 0.0));
+  EXPECT_EQ(again.infos[1].source_id, 2);
+}
+
+TEST(SlamPipeline, LoadsAMapUnderThePoseItHas) {
+  const auto first = make_pipeline(wide_open());
+  first->process(detection_frame(1.0, {detection(2.0, 0.0, 1)}));
+  const auto second = make_pipeline(wide_open());
+  Pose3d here;
+  here.map_from_base.translation().x() = 7.0;
+  here.covariance *= 100.0;
+  second->set_pose(here);
+  second->load(first->save(), false);
+  const SavedState state = second->save();
+  EXPECT_NEAR(state.pose(0), 7.0, 1e-12);
+  EXPECT_TRUE(state.covariance.bottomLeftCorner(2, 3).isZero(0.0));
+  EXPECT_NEAR(second->map()[0].position_in_map.x(), 2.0, 1e-12);
+}
+
+TEST(SlamPipeline, RefusesAMapOfAnotherSpaceAndKeepsItsOwn) {
+  const auto pipeline = make_pipeline(wide_open());
+  pipeline->process(detection_frame(1.0, {detection(2.0, 0.0, 1)}));
+  SavedState other = pipeline->save();
+  other.space = "spatial";
+  other.infos.clear();
+  EXPECT_THROW(pipeline->load(other, true), std::invalid_argument);
+  EXPECT_EQ(pipeline->map().size(), 1U);
+}
+
+/// A map of an earlier run, or of a bag that starts again: its sightings are no echo of those of this run.
+TEST(SlamPipeline, ALoadedMapWasNotSeenInThisRun) {
+  PipelineOptions options = wide_open();
+  options.sensor.correlation_time = 1.0;
+  const auto first = make_pipeline(options);
+  first->process(detection_frame(1000.0, {detection(2.0, 0.0, 1), detection(2.0, 1.0, 2)}));
+  const auto second = make_pipeline(options);
+  second->set_mode(Mode::kLocalization);
+  second->load(first->save(), true);
+  Pose3d unsure;
+  unsure.covariance = Matrix6d::Identity();
+  second->set_pose(unsure);
+  const SlamResult result = second->process(
+      detection_frame(1.0, {detection(2.0, 0.0, 1), detection(2.0, 1.0, 2)}));  // time went back
+  EXPECT_EQ(result.outcomes[0].verdict, Verdict::kMatched);
+  EXPECT_LT(result.pose.covariance(0, 0), 0.1);
+}
+
+TEST(SlamPipeline, LocalisationLeavesTheMapAlone) {
+  const auto pipeline = make_pipeline(wide_open());
+  pipeline->process(detection_frame(1.0, {detection(2.0, 0.0, 1)}));
+  const SavedState before = pipeline->save();
+  pipeline->set_mode(Mode::kLocalization);
+  const SlamResult result =
+      pipeline->process(detection_frame(2.0, {detection(2.05, 0.0, 1), detection(1.0, 1.0, 9)}));
+  EXPECT_EQ(result.outcomes[0].verdict, Verdict::kMatched);
+  EXPECT_EQ(result.outcomes[1].verdict, Verdict::kNotInMap);
+  const SavedState after = pipeline->save();
+  EXPECT_TRUE(MatrixNear(after.landmarks_in_map, before.landmarks_in_map, 0.0));
+  EXPECT_TRUE(
+      MatrixNear(after.covariance.bottomRightCorner(2, 2), before.covariance.bottomRightCorner(2, 2), 0.0));
+}
+
+/// Correlated errors are no more independent because the map stands still.
+TEST(SlamPipeline, LocalisationDoesNotTakeEchoesForNews) {
+  PipelineOptions options = wide_open();
+  options.sensor.correlation_time = 1.0;
+  const auto sigma_after_a_minute = [&](double correlation_time) {
+    options.sensor.correlation_time = correlation_time;
+    const auto pipeline = make_pipeline(options);
+    pipeline->process(detection_frame(1.0, {detection(2.0, 0.0, 1, 1e-3), detection(2.0, 1.0, 2, 1e-3)}));
+    pipeline->set_mode(Mode::kLocalization);
+    Pose3d unsure;
+    unsure.covariance = Matrix6d::Identity();
+    pipeline->set_pose(unsure);
+    SlamResult result;
+    for (int i = 0; i < 100; ++i) {
+      result = pipeline->process(
+          detection_frame(100.0 + 0.1 * i, {detection(2.0, 0.0, 1), detection(2.0, 1.0, 2)}));
+    }
+    return std::sqrt(result.pose.covariance(1, 1));
+  };
+  EXPECT_GT(sigma_after_a_minute(1.0), 3.0 * sigma_after_a_minute(0.0));
+}
+
+TEST(SlamPipeline, LiveOptionsTakeEffectAndKeepTheEstimate) {
+  PipelineOptions options = wide_open();
+  const auto pipeline = make_pipeline(options);
+  pipeline->process(detection_frame(1.0, {detection(2.0, 0.0, 1)}));
+  options.input.max_linear_speed = 0.1;
+  options.sensor.max_depth = 1.0;
+  pipeline->set_live_options(options);
+  EXPECT_EQ(pipeline->map().size(), 1U);
+  EXPECT_EQ(pipeline->process(detection_frame(1.1, {detection(2.0, 0.0, 1)})).outcomes[0].verdict,
+            Verdict::kOutOfRange);
+  pipeline->process(odometry_frame(2.0, 1.0));
+  EXPECT_NEAR(x_of(pipeline->process(odometry_frame(3.0, 1.0))), 0.1, 1e-9);
+}
+
+TEST(SlamPipeline, SaysThatTheFloorIsNotExactlyFlat) {
+  const Pose3d pose = make_pipeline(wide_open())->process(odometry_frame(1.0, 0.0)).pose;
+  for (const int axis : {2, 3, 4}) EXPECT_EQ(pose.covariance(axis, axis), kPlanarVariance);
+}
+
+}  // namespace
+}  // namespace kinect_ekf_slam

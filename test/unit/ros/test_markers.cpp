@@ -1,0 +1,188 @@
+#include "kinect_ekf_slam/ros/markers.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <stdexcept>
+
+#include "kinect_ekf_slam/core/angles.h"
+#include "kinect_ekf_slam/ros/trail.h"
+#include "test/support/matchers.h"
+
+namespace kinect_ekf_slam {
+namespace {
+
+using testing::AngleNear;
+using visualization_msgs::Marker;
+using visualization_msgs::MarkerArray;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// Variances along and across an axis that is turned by `heading`.
+Eigen::Matrix2d turned(double along, double across, double heading) {
+  const Eigen::Matrix2d rotation = Se2(0.0, 0.0, heading).rotation();
+  return rotation * Eigen::Vector2d(along, across).asDiagonal() * rotation.transpose();
+}
+
+/// An axis has two ends: headings that differ by half a turn are the same.
+::testing::AssertionResult SameAxis(double left, double right) {
+  return AngleNear(2.0 * left, 2.0 * right, 1e-9);
+}
+
+TEST(Ellipse, HasTheAxesAndHeadingOfTheCovariance) {
+  for (int degrees = -180; degrees <= 180; degrees += 15) {
+    const Ellipse shape = ellipse(turned(0.09, 0.04, radians(degrees)), 3.0);
+    EXPECT_NEAR(shape.major, 0.9, 1e-12);
+    EXPECT_NEAR(shape.minor, 0.6, 1e-12);
+    EXPECT_TRUE(SameAxis(shape.heading, radians(degrees))) << degrees;
+  }
+}
+
+TEST(Ellipse, MayBeALine) { EXPECT_NEAR(ellipse(turned(0.04, 0.0, 0.3), 1.0).minor, 0.0, 1e-9); }
+
+TEST(Ellipse, IsRefusedWhereTheCovarianceIsNone) {
+  EXPECT_THROW(ellipse(Eigen::Matrix2d::Zero(), 3.0), std::invalid_argument);
+  EXPECT_THROW(ellipse(turned(0.04, -0.01, 0.3), 3.0), std::invalid_argument);
+  EXPECT_THROW(ellipse(Eigen::Matrix2d::Constant(kNan), 3.0), std::invalid_argument);
+}
+
+Landmark3d landmark(int id, const std::string& label = "") {
+  Landmark3d landmark;
+  landmark.id = id;
+  landmark.label = label;
+  landmark.position_in_map = {1.0 * id, 0.0, 0.0};
+  landmark.covariance.topLeftCorner<2, 2>() = turned(0.09, 0.04, 0.5);
+  return landmark;
+}
+
+const Marker* find(const MarkerArray& array, const std::string& space, int id = 0) {
+  for (const Marker& marker : array.markers) {
+    if (marker.ns == space && marker.id == id) return &marker;
+  }
+  return nullptr;
+}
+
+double yaw(const geometry_msgs::Quaternion& q) { return 2.0 * std::atan2(q.z, q.w); }
+
+TEST(MarkerPainter, DrawsEllipsesAtTheSigmasAskedFor) {
+  MarkerPainter painter("map", 2.0);
+  const MarkerArray array = painter.paint({{landmark(1)}, {}, {}, {}, {}});
+  const Marker* spread = find(array, "covariance", 1);
+  ASSERT_NE(spread, nullptr);
+  EXPECT_EQ(spread->action, Marker::ADD);
+  EXPECT_NEAR(spread->scale.x, 2.0 * 2.0 * 0.3, 1e-9) << "a scale is a diameter";
+  EXPECT_NEAR(spread->scale.y, 2.0 * 2.0 * 0.2, 1e-9);
+  EXPECT_TRUE(SameAxis(yaw(spread->pose.orientation), 0.5));
+  EXPECT_EQ(spread->header.frame_id, "map");
+}
+
+TEST(MarkerPainter, NeverDrawsAnUnknownCovarianceAsZero) {
+  for (const Eigen::Matrix3d& unknown :
+       {Eigen::Matrix3d(Eigen::Matrix3d::Zero()), Eigen::Matrix3d(Eigen::Matrix3d::Constant(kNan)),
+        Eigen::Matrix3d(-Eigen::Matrix3d::Identity())}) {
+    MarkerPainter painter("map", 3.0);
+    Scene scene{{landmark(1)}, {}, {}, {}, {}};
+    scene.map[0].covariance = unknown;
+    scene.pose.covariance.topLeftCorner<3, 3>() = unknown;
+    scene.pose.covariance(5, 5) = kNan;
+    const MarkerArray array = painter.paint(scene);
+    EXPECT_EQ(find(array, "covariance", 1)->action, Marker::DELETE);
+    EXPECT_EQ(find(array, "landmarks", 1)->action, Marker::ADD);
+    EXPECT_EQ(find(array, "robot_position")->action, Marker::DELETE);
+    EXPECT_EQ(find(array, "robot_heading")->action, Marker::DELETE);
+  }
+}
+
+TEST(MarkerPainter, RemovesTheLandmarksThatHaveGone) {
+  MarkerPainter painter("map", 3.0);
+  painter.paint({{landmark(1), landmark(2)}, {}, {}, {}, {}});
+  const MarkerArray array = painter.paint({{landmark(2)}, {}, {}, {}, {}});
+  for (const char* space : {"landmarks", "labels", "covariance"}) {
+    ASSERT_NE(find(array, space, 1), nullptr) << space;
+    EXPECT_EQ(find(array, space, 1)->action, Marker::DELETE) << space;
+    EXPECT_EQ(find(array, space, 2)->action, Marker::ADD) << space;
+  }
+  EXPECT_EQ(find(painter.paint({{landmark(2)}, {}, {}, {}, {}}), "landmarks", 1), nullptr) << "told once";
+}
+
+TEST(MarkerPainter, ClearsAll) {
+  MarkerPainter painter("map", 3.0);
+  painter.paint({{landmark(1)}, {}, {}, {}, {}});
+  const MarkerArray array = painter.clear();
+  ASSERT_EQ(array.markers.size(), 1U);
+  EXPECT_EQ(array.markers[0].action, Marker::DELETEALL);
+  EXPECT_EQ(find(painter.paint({}), "landmarks", 1), nullptr);
+}
+
+TEST(MarkerPainter, HeadingWedgeIsAsWideAsTheHeadingIsUnsure) {
+  MarkerPainter painter("map", 3.0);
+  Scene scene;
+  scene.pose.covariance(5, 5) = 0.1 * 0.1;
+  const MarkerArray array = painter.paint(scene);
+  const Marker* wedge = find(array, "robot_heading");
+  ASSERT_GE(wedge->points.size(), 3U);
+  EXPECT_NEAR(std::atan2(wedge->points[1].y, wedge->points[1].x), -0.3, 1e-9);
+  EXPECT_NEAR(std::atan2(wedge->points.back().y, wedge->points.back().x), 0.3, 1e-9);
+}
+
+TEST(MarkerPainter, DrawsALineToWhatWasJustAssociated) {
+  MarkerPainter painter("map", 3.0);
+  Scene scene{{landmark(1)}, {}, {DetectionOutcome(), DetectionOutcome(), DetectionOutcome()}, {}, {}};
+  scene.outcomes[0].verdict = Verdict::kMatched;
+  scene.outcomes[0].landmark_id = 1;
+  scene.outcomes[1].verdict = Verdict::kOutsideGate;
+  scene.outcomes[1].position_in_map = {4.0, 5.0, 0.0};
+  scene.outcomes[2].position_in_map.setConstant(kNan);
+  const MarkerArray array = painter.paint(scene);
+  const Marker* lines = find(array, "associations");
+  ASSERT_EQ(lines->points.size(), 4U) << "none to a place that is no number";
+  EXPECT_EQ(lines->points[1].x, 1.0);
+  EXPECT_EQ(lines->points[3].y, 5.0);
+  EXPECT_EQ(find(painter.paint({}), "associations")->action, Marker::DELETE);
+}
+
+TEST(LabelColor, IsTheOneThatTheLabelNames) {
+  EXPECT_GT(label_color("red").r, label_color("red").g + 0.5F);
+  EXPECT_GT(label_color("green").g, label_color("green").r + 0.4F);
+  EXPECT_GT(label_color("blue").b, label_color("blue").r + 0.5F);
+  EXPECT_EQ(label_color("").r, label_color("").g);
+}
+
+TEST(LabelColor, OfAnyOtherLabelStaysTheSame) {
+  const auto color = label_color("cylinder 12");
+  EXPECT_EQ(color.r, label_color("cylinder 12").r);
+  EXPECT_EQ(color.a, 1.0F);
+  EXPECT_LE(std::max({color.r, color.g, color.b}), 1.0F);
+  EXPECT_GE(std::min({color.r, color.g, color.b}), 0.0F);
+}
+
+geometry_msgs::Point point(double x) {
+  geometry_msgs::Point point;
+  point.x = x;
+  return point;
+}
+
+TEST(Trail, KeepsAPointEachStep) {
+  Trail trail(0.1, 100);
+  EXPECT_TRUE(trail.add(point(0.0)));
+  EXPECT_FALSE(trail.add(point(0.09)));
+  EXPECT_TRUE(trail.add(point(0.11)));
+  EXPECT_EQ(trail.points().size(), 2U);
+  trail.clear();
+  EXPECT_TRUE(trail.points().empty());
+}
+
+TEST(Trail, DropsTheOldestOfTooMany) {
+  for (const std::size_t length : {1U, 2U, 7U, 50U}) {
+    Trail trail(0.1, length);
+    for (int i = 0; i < 200; ++i) {
+      trail.add(point(i));
+      EXPECT_LE(trail.points().size(), length);
+      EXPECT_EQ(trail.points().back().x, i);
+    }
+    EXPECT_GE(2 * trail.points().size() + 1, length);
+  }
+}
+
+}  // namespace
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,229 @@
+#include "kinect_ekf_slam/ros/parameters.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
+
+#include "test/support/temporary_folder.h"
+
+namespace kinect_ekf_slam {
+namespace {
+
+using testing::message_of;
+
+/// The least that a run needs.
+YAML::Node least() {
+  return YAML::Load(
+      "{frames: {map: map, odom: odom, base: base_link}, estimator: {type: ekf}, association: {type: "
+      "known}}");
+}
+
+/// What reading says when one assignment is made.
+std::string refusal(const std::string& assignment) {
+  YAML::Node yaml = least();
+  set_parameter(assignment, &yaml);
+  return message_of<ParameterError>([&] { read_parameters(yaml, nullptr); });
+}
+
+TEST(Parameters, ReadWhatIsGivenAndKeepTheDefaultsOfTheRest) {
+  YAML::Node yaml = least();
+  set_parameter("input/max_linear_speed=0.7", &yaml);
+  set_parameter("input/heading_source=imu", &yaml);
+  set_parameter("mode=localization", &yaml);
+  set_parameter("sync/imu_topic=''", &yaml);
+  std::vector<std::string> unread;
+  const RunOptions options = read_parameters(yaml, &unread);
+  EXPECT_EQ(options.frames.base, "base_link");
+  EXPECT_EQ(options.pipeline.association.type, AssociationOptions::Type::kKnown);
+  EXPECT_EQ(options.pipeline.input.max_linear_speed, 0.7);
+  EXPECT_EQ(options.pipeline.input.heading_source, HeadingSource::kImu);
+  EXPECT_EQ(options.pipeline.mode, Mode::kLocalization);
+  EXPECT_EQ(options.sync.imu_topic, "");
+  EXPECT_EQ(options.sync.max_interval, 0.07);
+  EXPECT_EQ(options.pipeline.input.max_angular_speed, 1.1);
+  EXPECT_TRUE(unread.empty());
+}
+
+TEST(Parameters, SayWhichRequiredKeyIsMissing) {
+  for (const char* key : {"frames/map", "frames/odom", "frames/base", "estimator/type", "association/type"}) {
+    YAML::Node yaml = least();
+    const std::string name = key;
+    const auto slash = name.find('/');
+    yaml[name.substr(0, slash)].remove(name.substr(slash + 1));
+    EXPECT_EQ(message_of<ParameterError>([&] { read_parameters(yaml, nullptr); }),
+              name + ": is missing; start from config/slam.yaml (slam.launch loads it)");
+  }
+  EXPECT_NE(message_of<ParameterError>([&] { read_parameters(YAML::Node(), nullptr); }), "");
+}
+
+TEST(Parameters, SayWhichNamesAreKnown) {
+  EXPECT_EQ(refusal("estimator/type=kalman"),
+            "estimator/type: 'kalman' given, allowed: one of ekf, dead_reckoning");
+  EXPECT_EQ(refusal("association/type=best"),
+            "association/type: 'best' given, allowed: one of known, nearest_neighbor");
+  EXPECT_EQ(refusal("mode=mapping"), "mode: 'mapping' given, allowed: one of slam, localization");
+  EXPECT_EQ(refusal("estimator/space=hyperbolic"),
+            "estimator/space: 'hyperbolic' given, allowed: one of planar");
+  EXPECT_EQ(refusal("mode=[slam]"), "mode: '[slam]' given, allowed: one of slam, localization");
+}
+
+TEST(Parameters, SayWhichValuesAreAllowed) {
+  EXPECT_EQ(refusal("frames/tf_timeout=-1"), "frames/tf_timeout: '-1' given, allowed: a number from 0 to 10");
+  EXPECT_EQ(refusal("frames/tf_timeout=.nan"),
+            "frames/tf_timeout: '.nan' given, allowed: a number from 0 to 10");
+  EXPECT_EQ(refusal("input/max_linear_speed=0"),
+            "input/max_linear_speed: '0' given, allowed: a number >= 1e-06");
+  EXPECT_EQ(refusal("sync/queue_size=0"),
+            "sync/queue_size: '0' given, allowed: a whole number from 1 to 100000");
+  EXPECT_EQ(refusal("association/gate_probability=1"),
+            "association/gate_probability: '1' given, allowed: a number from 1e-06 to 1");
+  EXPECT_EQ(refusal("map/file_name=''"), "map/file_name: '\"\"' given, allowed: text, not empty");
+  EXPECT_EQ(refusal("sensor/min_depth=5"),
+            "sensor/min_depth: 5 given, allowed: at most sensor/max_depth, 2.6");
+  EXPECT_EQ(refusal("association/new_landmark_probability=0.5"),
+            "association/new_landmark_probability: 0.5 given, allowed: at least "
+            "association/gate_probability, 0.975");
+}
+
+TEST(Parameters, SayWhichTypeIsExpected) {
+  EXPECT_EQ(refusal("input/max_linear_speed=fast"),
+            "input/max_linear_speed: 'fast' given, allowed: a number >= 1e-06");
+  EXPECT_EQ(refusal("input/max_linear_speed={a: 1}"),
+            "input/max_linear_speed: '{a: 1}' given, allowed: a number >= 1e-06");
+  EXPECT_EQ(refusal("sync/queue_size=1.5"),
+            "sync/queue_size: '1.5' given, allowed: a whole number from 1 to 100000");
+  EXPECT_EQ(refusal("output/publish_tf=perhaps"),
+            "output/publish_tf: 'perhaps' given, allowed: true or false");
+  EXPECT_EQ(refusal("frames/map=[map]"), "frames/map: '[map]' given, allowed: text, not empty");
+  const std::string transforms = "allowed: a list of {parent, child, xyz: [m], rpy_deg: [deg]}";
+  EXPECT_EQ(refusal("frames/static_transforms=none"),
+            "frames/static_transforms: 'none' given, " + transforms);
+  EXPECT_EQ(refusal("frames/static_transforms=[{parent: a, child: b, xyz: [0, 0], rpy_deg: [0, 0, 0]}]"),
+            "frames/static_transforms: '{parent: a, child: b, xyz: [0, 0], rpy_deg: [0, 0, 0]}' given, " +
+                transforms);
+}
+
+TEST(Parameters, RefuseAStartThatIsNowhere) {
+  EXPECT_NE(refusal("estimator/initial_x=.inf"), "");
+  EXPECT_NE(refusal("estimator/initial_y=-.inf"), "");
+  EXPECT_NE(refusal("estimator/initial_position_sigma=.inf"), "");
+}
+
+TEST(Parameters, RefuseFramesWithALeadingSlash) {
+  EXPECT_EQ(refusal("frames/odom=/odom"), "frames/odom: '/odom': a frame has no leading slash");
+}
+
+TEST(Parameters, RefuseEqualFrames) {
+  EXPECT_EQ(
+      refusal("frames/base=odom"),
+      "frames/map, frames/odom, frames/base: 'map', 'odom', 'odom' given, allowed: three different frames");
+}
+
+TEST(Parameters, NameTheKeysThatNothingReads) {
+  YAML::Node yaml = least();
+  set_parameter("input/max_speed=1", &yaml);
+  set_parameter("speeling=1", &yaml);
+  set_parameter("sensors/min_depth=1", &yaml);
+  std::vector<std::string> unread;
+  read_parameters(yaml, &unread);
+  EXPECT_EQ(std::set<std::string>(unread.begin(), unread.end()),
+            std::set<std::string>({"input/max_speed", "speeling", "sensors/min_depth"}));
+}
+
+TEST(Parameters, AGroupThatIsAValueIsNotRead) {
+  YAML::Node yaml = least();
+  yaml["sensor"] = 5;
+  std::vector<std::string> unread;
+  read_parameters(yaml, &unread);
+  EXPECT_EQ(unread, std::vector<std::string>{"sensor"});
+}
+
+TEST(Parameters, EachIsListedOnceWithItsMeaning) {
+  std::set<std::string> keys;
+  for (const ParameterInfo& info : list_parameters()) {
+    EXPECT_TRUE(keys.insert(info.key).second) << info.key << " is listed twice";
+    EXPECT_FALSE(info.meaning.empty()) << info.key;
+    EXPECT_FALSE(info.allowed.empty()) << info.key;
+  }
+  EXPECT_GT(keys.size(), 50U);
+}
+
+/// The list is what the documentation is made of: each default in it must be what reading it gives.
+TEST(Parameters, TheListedDefaultsAreAllowedAndKnown) {
+  YAML::Node yaml = least();
+  for (const ParameterInfo& info : list_parameters()) {
+    if (!info.required)
+      set_parameter(info.key + "=" + (info.default_value.empty() ? "''" : info.default_value), &yaml);
+  }
+  std::vector<std::string> unread;
+  EXPECT_EQ(message_of<ParameterError>([&] { read_parameters(yaml, &unread); }), "");
+  EXPECT_TRUE(unread.empty());
+}
+
+TEST(SetParameter, TakesYamlAndRefusesTheRest) {
+  YAML::Node yaml;
+  set_parameter("a/b=[1, 2]", &yaml);
+  set_parameter("a/c=x=y", &yaml);
+  set_parameter("mode=slam", &yaml);
+  EXPECT_EQ(yaml["a"]["b"][1].as<int>(), 2);
+  EXPECT_EQ(yaml["a"]["c"].as<std::string>(), "x=y");
+  EXPECT_EQ(yaml["mode"].as<std::string>(), "slam");
+  EXPECT_EQ(message_of<ParameterError>([&] { set_parameter("a/b", &yaml); }),
+            "'a/b' given, allowed: group/key=value");
+  EXPECT_EQ(message_of<ParameterError>([&] { set_parameter("=1", &yaml); }),
+            "'=1' given, allowed: group/key=value");
+  EXPECT_EQ(message_of<ParameterError>([&] { set_parameter("a/b=[1", &yaml); }), "a/b: '[1' is not YAML");
+}
+
+TEST(MergeParameters, LaysOneFileOverTheOther) {
+  const YAML::Node base = YAML::Load("{a: {x: 1, y: [1, 2]}, b: 3}");
+  const YAML::Node merged = merge_parameters(base, YAML::Load("{a: {y: [9], z: 4}, c: 5}"));
+  EXPECT_EQ(merged["a"]["x"].as<int>(), 1);
+  EXPECT_EQ(merged["a"]["y"].size(), 1U) << "lists replace";
+  EXPECT_EQ(merged["a"]["z"].as<int>(), 4);
+  EXPECT_EQ(merged["b"].as<int>(), 3);
+  EXPECT_EQ(merged["c"].as<int>(), 5);
+  EXPECT_EQ(base["a"]["y"].size(), 2U) << "the original is left alone";
+  EXPECT_EQ(merge_parameters(base, YAML::Load("a:\n"))["a"]["x"].as<int>(), 1)
+      << "an empty group changes nothing";
+  EXPECT_EQ(merge_parameters(base, YAML::Node())["b"].as<int>(), 3);
+}
+
+/// Each shipped configuration, over the defaults, is complete and has no misspelt key.
+TEST(Configurations, AllLoad) {
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(CONFIG_FOLDER)) {
+    if (entry.path().extension() != ".yaml") continue;
+    ++files;
+    const auto warn = [&](const std::string& line) { ADD_FAILURE() << entry.path() << ": " << line; };
+    EXPECT_EQ(message_of<ParameterError>([&] { read_run_options({entry.path()}, {}, warn); }), "")
+        << entry.path();
+  }
+  EXPECT_GE(files, 4);
+}
+
+TEST(Configurations, TheDefaultsAreThoseOfTheCode) {
+  const RunOptions from_file =
+      read_run_options({}, {}, [](const std::string& line) { ADD_FAILURE() << line; });
+  EXPECT_EQ(from_file.pipeline.input.max_linear_speed, 0.22);
+  EXPECT_EQ(from_file.pipeline.input.max_angular_speed, 1.1);
+  EXPECT_EQ(from_file.pipeline.sensor.min_depth, 0.6);
+  EXPECT_EQ(from_file.sync.max_interval, 0.07);
+}
+
+TEST(Configurations, SayWhatIsWrongWithAFile) {
+  const testing::TemporaryFolder folder;
+  const auto refusal_of = [&](const std::string& text) {
+    testing::write_text(folder / "a.yaml", text);
+    return message_of<ParameterError>([&] { read_run_options({folder / "a.yaml"}, {}, nullptr); });
+  };
+  EXPECT_EQ(message_of<ParameterError>([&] { read_run_options({"absent.yaml"}, {}, nullptr); }),
+            "absent.yaml: cannot be read");
+  EXPECT_EQ(refusal_of("[1, 2]"), folder / "a.yaml" + ": not a YAML map of parameter groups");
+  EXPECT_EQ(refusal_of("a: [1").rfind(folder / "a.yaml" + ": not YAML: ", 0), 0U);
+  EXPECT_EQ(refusal_of(""), "");
+}
+
+}  // namespace
+}  // namespace kinect_ekf_slam

@@ -1,0 +1,391 @@
+#include "kinect_ekf_slam/ros/sensor_bridge.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/make_shared.hpp>
+#include <limits>
+
+#include "kinect_ekf_slam/core/angles.h"
+#include "test/support/matchers.h"
+
+namespace kinect_ekf_slam {
+namespace {
+
+using testing::MatrixNear;
+using Counts = std::map<std::string, std::uint64_t>;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// A bridge, what came out of it, and messages to put in.
+class Bridge : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ros::Time::init();  // message_filters asks for a clock
+    frames_.base = "base_link";
+    make();
+  }
+
+  void make() {
+    SensorBridge::Handlers handlers;
+    handlers.on_frame = [this](SensorFrame frame) { frames_out_.push_back(std::move(frame)); };
+    handlers.on_time_jump = [this] { ++jumps_; };
+    handlers.on_refusal = [this](const std::string& line) { lines_.push_back(line); };
+    const auto lookup = [this](const std::string& target, const std::string& source, const ros::Time&) {
+      const auto known = transforms_.find(source);
+      const bool found = target == "base_link" && known != transforms_.end();
+      return found ? std::make_optional(known->second) : std::nullopt;
+    };
+    bridge_ = std::make_unique<SensorBridge>(frames_, sync_, lookup, handlers);
+  }
+
+  static nav_msgs::Odometry odometry_message(double time) {
+    nav_msgs::Odometry message;
+    message.header.stamp = ros::Time(time);
+    message.header.frame_id = "odom";
+    message.child_frame_id = "base_link";
+    message.pose.pose.orientation.w = 1.0;
+    message.twist.twist.linear.x = 0.1;
+    return message;
+  }
+  static sensor_msgs::Imu imu_message(double time) {
+    sensor_msgs::Imu message;
+    message.header.stamp = ros::Time(time);
+    message.header.frame_id = "base_link";
+    message.angular_velocity.z = 0.3;
+    return message;
+  }
+  static LandmarkDetectionArray landmarks_message(double time) {
+    LandmarkDetectionArray message;
+    message.header.stamp = ros::Time(time);
+    message.header.frame_id = "base_link";
+    message.detections.resize(1);
+    message.detections[0].position.x = 1.0;
+    return message;
+  }
+
+  bool add(const nav_msgs::Odometry& message, double now = 0.0) {
+    return bridge_->add_odometry(boost::make_shared<nav_msgs::Odometry>(message), ros::Time(now));
+  }
+  bool add(const sensor_msgs::Imu& message, double now = 0.0) {
+    return bridge_->add_imu(boost::make_shared<sensor_msgs::Imu>(message), ros::Time(now));
+  }
+  bool add(const LandmarkDetectionArray& message, double now = 0.0) {
+    return bridge_->add_landmarks(boost::make_shared<LandmarkDetectionArray>(message), ros::Time(now));
+  }
+  bool odometry(double time, double now = 0.0) { return add(odometry_message(time), now); }
+  bool imu(double time, double now = 0.0) { return add(imu_message(time), now); }
+  bool landmarks(double time, double now = 0.0) { return add(landmarks_message(time), now); }
+
+  int looks() const {
+    int count = 0;
+    for (const SensorFrame& frame : frames_out_) count += frame.detections ? 1 : 0;
+    return count;
+  }
+  Counts refusals() const { return bridge_->refusals(); }
+
+  FrameOptions frames_;
+  SyncOptions sync_;
+  std::map<std::string, Eigen::Isometry3d> transforms_;
+  std::unique_ptr<SensorBridge> bridge_;
+  std::vector<SensorFrame> frames_out_;
+  std::vector<std::string> lines_;
+  int jumps_ = 0;
+};
+
+TEST_F(Bridge, TurnsMessagesIntoFrames) {
+  nav_msgs::Odometry message = odometry_message(1.0);
+  message.twist.twist.angular.z = -0.4;
+  EXPECT_TRUE(add(message));
+  ASSERT_EQ(frames_out_.size(), 1U);
+  EXPECT_EQ(frames_out_[0].stamp, 1000000000);
+  EXPECT_EQ(frames_out_[0].odometry->linear.x(), 0.1);
+  EXPECT_EQ(frames_out_[0].odometry->angular.z(), -0.4);
+  EXPECT_FALSE(frames_out_[0].detections);
+  EXPECT_EQ(bridge_->accepted(), (Counts{{"odometry", 1}}));
+}
+
+TEST_F(Bridge, AnImuOnItsSideGivesTheYawRate) {
+  Eigen::Isometry3d base_from_imu = Eigen::Isometry3d::Identity();
+  base_from_imu.linear() = (Eigen::AngleAxisd(radians(-90.0), Eigen::Vector3d::UnitZ()) *
+                            Eigen::AngleAxisd(radians(90.0), Eigen::Vector3d::UnitX()))
+                               .toRotationMatrix();
+  base_from_imu.translation() = Eigen::Vector3d(0.0, -0.3, 0.52);
+  transforms_["imu_link"] = base_from_imu;
+  sensor_msgs::Imu message = imu_message(1.0);
+  message.header.frame_id = "imu_link";
+  message.angular_velocity.y = 0.7;  // the IMU's y axis points up
+  message.angular_velocity.z = 0.0;
+  EXPECT_TRUE(add(message));
+  EXPECT_TRUE(MatrixNear(*frames_out_[0].gyro_rate, Eigen::Vector3d(0.0, 0.0, 0.7), 1e-12));
+}
+
+TEST_F(Bridge, DetectionsAreSeenFromTheBase) {
+  transforms_["camera"] = Eigen::Isometry3d(Eigen::Translation3d(0.2, 0.1, 0.5));
+  LandmarkDetectionArray message = landmarks_message(1.0);
+  message.header.frame_id = "/camera";  // an old slash is forgiven
+  odometry(1.0);
+  EXPECT_TRUE(add(message));
+  odometry(1.1);
+  ASSERT_EQ(looks(), 1);
+  for (const SensorFrame& frame : frames_out_) {
+    if (!frame.detections) continue;
+    EXPECT_TRUE(MatrixNear(frame.detections->at(0).position_in_base, Eigen::Vector3d(1.2, 0.1, 0.5), 1e-12));
+  }
+}
+
+TEST_F(Bridge, RefusesOdometryOfOtherFrames) {
+  nav_msgs::Odometry message = odometry_message(1.0);
+  message.child_frame_id = "other_base";
+  EXPECT_FALSE(add(message));
+  message = odometry_message(1.0);
+  message.header.frame_id = "world";
+  EXPECT_FALSE(add(message));
+  EXPECT_EQ(refusals(), (Counts{{"odometry: frame", 2}}));
+  EXPECT_TRUE(frames_out_.empty());
+  EXPECT_EQ(
+      lines_[0],
+      "odometry: message refused, frames 'odom' -> 'other_base', expected frames/odom 'odom' -> frames/base "
+      "'base_link'");
+}
+
+TEST_F(Bridge, RefusesWhatIsNotFinite) {
+  nav_msgs::Odometry odometry = odometry_message(1.0);
+  odometry.twist.twist.linear.x = kNan;
+  EXPECT_FALSE(add(odometry));
+  odometry = odometry_message(1.0);
+  odometry.twist.twist.angular.z = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(add(odometry));
+  odometry = odometry_message(1.0);
+  odometry.pose.pose.position.x = kNan;
+  EXPECT_FALSE(add(odometry));
+  odometry = odometry_message(1.0);
+  odometry.pose.pose.orientation.w = 0.0;
+  EXPECT_FALSE(add(odometry));
+  sensor_msgs::Imu imu = imu_message(1.0);
+  imu.angular_velocity.x = kNan;
+  EXPECT_FALSE(add(imu));
+  EXPECT_EQ(refusals(), (Counts{{"odometry: not finite", 4}, {"imu: not finite", 1}}));
+  EXPECT_TRUE(frames_out_.empty());
+}
+
+TEST_F(Bridge, RefusesAnImuThatHasNoGyro) {
+  sensor_msgs::Imu message = imu_message(1.0);
+  message.angular_velocity_covariance[0] = -1.0;
+  EXPECT_FALSE(add(message));
+  EXPECT_EQ(refusals(), (Counts{{"imu: no rates", 1}}));
+}
+
+TEST_F(Bridge, RefusesWhatTfCannotPlace) {
+  sensor_msgs::Imu imu = imu_message(1.0);
+  imu.header.frame_id = "nowhere";
+  EXPECT_FALSE(add(imu));
+  LandmarkDetectionArray message = landmarks_message(1.0);
+  message.header.frame_id = "nowhere";
+  odometry(1.0);
+  add(message);
+  odometry(1.1);
+  EXPECT_EQ(refusals(), (Counts{{"imu: no transform", 1}, {"landmarks: no transform", 1}}));
+  EXPECT_EQ(looks(), 0);
+}
+
+TEST_F(Bridge, RefusesDetectionsWithoutAFrame) {
+  LandmarkDetectionArray message = landmarks_message(1.0);
+  message.header.frame_id = "";
+  EXPECT_FALSE(add(message));
+  EXPECT_EQ(refusals(), (Counts{{"landmarks: frame", 1}}));
+}
+
+TEST_F(Bridge, RefusesStampsThatCannotBe) {
+  EXPECT_FALSE(odometry(0.0));
+  EXPECT_TRUE(odometry(10.0, 10.0));
+  EXPECT_FALSE(odometry(10.0, 10.0));
+  EXPECT_FALSE(odometry(9.5, 10.0));
+  EXPECT_FALSE(odometry(11.5, 10.0));
+  EXPECT_TRUE(odometry(10.9, 10.0)) << "a little ahead of the clock is allowed";
+  EXPECT_EQ(refusals(), (Counts{{"odometry: no stamp", 1},
+                                {"odometry: repeated", 1},
+                                {"odometry: old", 1},
+                                {"odometry: future", 1}}));
+  EXPECT_EQ(frames_out_.size(), 2U);
+}
+
+TEST_F(Bridge, WithoutAClockNothingIsInTheFuture) { EXPECT_TRUE(odometry(1e6)); }
+
+TEST_F(Bridge, OneBadOldStampIsNoJumpOfTime) {
+  EXPECT_TRUE(odometry(100.0));
+  EXPECT_FALSE(odometry(5.0));
+  EXPECT_TRUE(odometry(100.1));
+  EXPECT_FALSE(odometry(5.0));
+  EXPECT_FALSE(odometry(5.1));
+  EXPECT_TRUE(odometry(100.2));
+  EXPECT_EQ(jumps_, 0);
+  EXPECT_EQ(refusals(), (Counts{{"odometry: old", 3}}));
+}
+
+TEST_F(Bridge, OneStampFarAheadDoesNotMakeTheRestLookOld) {
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(odometry(10.0 + 0.1 * i));
+  EXPECT_FALSE(odometry(111.0));
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(odometry(11.0 + 0.1 * i));
+  EXPECT_EQ(bridge_->refusals(), (Counts{{"odometry: future", 1}}));
+  EXPECT_EQ(jumps_, 0);
+}
+
+TEST_F(Bridge, OdometryThatWasSilentGoesOnAtItsSecondMessage) {
+  EXPECT_TRUE(odometry(10.0));
+  EXPECT_FALSE(odometry(60.0));
+  EXPECT_TRUE(odometry(60.1));
+  EXPECT_TRUE(odometry(60.2));
+}
+
+TEST_F(Bridge, TheFirstDetectionsAfterABlindDriveAreTaken) {
+  for (int i = 0; i < 500; ++i) EXPECT_TRUE(odometry(10.0 + 0.1 * i));
+  EXPECT_TRUE(landmarks(10.0));
+  EXPECT_TRUE(landmarks(59.9));
+}
+
+TEST_F(Bridge, OdometryThatStaysOldIsAJumpOfTime) {
+  odometry(100.0);
+  landmarks(100.0);
+  for (int i = 0; i < 9; ++i) EXPECT_FALSE(odometry(5.0 + 0.1 * i)) << i;
+  EXPECT_FALSE(landmarks(5.8));
+  EXPECT_TRUE(odometry(5.9));
+  EXPECT_EQ(jumps_, 1);
+  EXPECT_TRUE(landmarks(5.9)) << "the other inputs have forgotten their stamps too";
+  EXPECT_TRUE(odometry(6.0));
+  EXPECT_EQ(jumps_, 1);
+}
+
+TEST_F(Bridge, OldMessagesOfOtherInputsAreNoJumpOfTime) {
+  odometry(100.0);
+  imu(100.0);
+  landmarks(100.0);
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_FALSE(imu(90.0 + 0.01 * i));
+    EXPECT_FALSE(landmarks(90.0 + 0.01 * i));
+    EXPECT_TRUE(odometry(100.1 + 0.1 * i));
+  }
+  EXPECT_EQ(jumps_, 0);
+}
+
+TEST_F(Bridge, StampsAtTheEndOfTimeAreRefused) { EXPECT_FALSE(odometry(4294967295.0)); }
+
+TEST_F(Bridge, AStampThatTheDelayPutsBeforeZeroIsRefused) {
+  sync_.odometry_delay = -2.0;
+  make();
+  EXPECT_FALSE(odometry(1.0));
+  EXPECT_TRUE(odometry(3.0));
+}
+
+TEST_F(Bridge, SlightlyOldStampsAreNeverAJump) {
+  odometry(100.0);
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(odometry(99.5));
+  EXPECT_EQ(jumps_, 0);
+}
+
+TEST_F(Bridge, DetectionsNeedOdometryNearThem) {
+  for (int i = 0; i < 10; ++i) {
+    odometry(1.0 + 0.1 * i);
+    landmarks(1.03 + 0.1 * i);
+  }
+  odometry(2.0);
+  EXPECT_EQ(looks(), 10);
+  EXPECT_TRUE(refusals().empty());
+}
+
+TEST_F(Bridge, DetectionsFarFromAnyOdometryAreCounted) {
+  odometry(1.0);
+  landmarks(1.5);  // half a second from the next odometry on both sides
+  odometry(2.0);
+  landmarks(2.0);
+  odometry(3.0);
+  landmarks(3.0);
+  odometry(4.0);
+  EXPECT_EQ(looks(), 2);
+  EXPECT_EQ(refusals(), (Counts{{"landmarks: unsynchronized", 1}}));
+}
+
+TEST_F(Bridge, WithAnImuThreeMustAgree) {
+  imu(0.91);  // from now on an IMU is expected
+  for (int i = 0; i < 10; ++i) {
+    odometry(1.0 + 0.1 * i);
+    imu(1.01 + 0.1 * i);
+    landmarks(1.02 + 0.1 * i);
+  }
+  odometry(2.0);
+  imu(2.01);
+  landmarks(2.02);  // only now is it sure that nothing fits the tenth better
+  EXPECT_EQ(looks(), 10);
+  EXPECT_TRUE(refusals().empty());
+}
+
+TEST_F(Bridge, WithAnImuDetectionsFarFromItAreCounted) {
+  imu(0.91);
+  for (int i = 0; i < 10; ++i) {
+    odometry(1.0 + 0.1 * i);
+    if (i != 4) imu(1.01 + 0.1 * i);
+    landmarks(1.02 + 0.1 * i);
+  }
+  EXPECT_EQ(refusals(), (Counts{{"landmarks: unsynchronized", 1}}));
+}
+
+TEST_F(Bridge, AnImuThatGoesSilentDoesNotBlindTheRobot) {
+  for (int i = 0; i < 10; ++i) {
+    odometry(1.0 + 0.1 * i);
+    imu(1.01 + 0.1 * i);
+    landmarks(1.02 + 0.1 * i);
+  }
+  const int before = looks();
+  for (int i = 0; i < 40; ++i) {
+    odometry(2.0 + 0.1 * i);
+    landmarks(2.02 + 0.1 * i);
+  }
+  EXPECT_GE(looks(), before + 25) << "a second without IMU is enough";
+  EXPECT_EQ(refusals()["imu: silent"], 1U);
+}
+
+TEST_F(Bridge, AnImuThatComesLateIsUsedFromThenOn) {
+  for (int i = 0; i < 5; ++i) {
+    odometry(1.0 + 0.1 * i);
+    landmarks(1.02 + 0.1 * i);
+  }
+  for (int i = 0; i < 10; ++i) {
+    odometry(1.5 + 0.1 * i);
+    imu(1.51 + 0.1 * i);
+    landmarks(1.52 + 0.1 * i);
+  }
+  odometry(2.5);
+  imu(2.51);
+  EXPECT_GE(looks(), 13);
+}
+
+TEST_F(Bridge, OdometryThatIsStampedEarlyIsDatedLater) {
+  sync_.odometry_delay = 0.25;
+  make();
+  odometry(1.0);
+  EXPECT_EQ(frames_out_[0].stamp, 1250000000);
+  landmarks(1.25);  // agrees with the odometry's true time, not with its stamp
+  odometry(1.1);
+  odometry(1.2);
+  EXPECT_EQ(looks(), 1);
+}
+
+TEST_F(Bridge, AnEmptyArrayIsALook) {
+  LandmarkDetectionArray message = landmarks_message(1.0);
+  message.detections.clear();
+  odometry(1.0);
+  EXPECT_TRUE(add(message));
+  odometry(1.1);
+  ASSERT_EQ(looks(), 1);
+}
+
+TEST_F(Bridge, ResetForgetsStampsAndKeepsTheCounters) {
+  odometry(100.0);
+  odometry(100.0);
+  bridge_->reset();
+  EXPECT_TRUE(odometry(5.0));
+  EXPECT_EQ(refusals(), (Counts{{"odometry: repeated", 1}}));
+  EXPECT_EQ(bridge_->accepted(), (Counts{{"odometry", 2}}));
+}
+
+}  // namespace
+}  // namespace kinect_ekf_slam

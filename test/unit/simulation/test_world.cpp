@@ -1,0 +1,125 @@
+#include "kinect_ekf_slam/simulation/world.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+
+#include "test/support/matchers.h"
+#include "test/unit/simulation/small_world.h"
+
+namespace kinect_ekf_slam::testing {
+namespace {
+
+const std::string kSmallest = R"(
+room: {size: [4.0, 3.0]}
+landmarks: [{id: 1, label: red, x: 1.0, y: 2.0, z: 0.2, radius: 0.05}]
+drive: {start: {x: 2.0, y: 1.0, yaw_deg: 90.0}}
+gyro: {base_from_imu: {xyz: [0, 0, 0], rpy_deg: [0, 0, 0]}}
+sensor: {base_from_optical: {xyz: [0.1, 0, 0.25], rpy_deg: [-90, 0, -90]}}
+)";
+
+std::string error_of(const std::string& yaml) {
+  try {
+    parse_world(yaml, "w.yaml");
+  } catch (const WorldFileError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+/// The smallest world with one piece of its text exchanged.
+std::string error_with(const std::string& piece, const std::string& other) {
+  std::string yaml = kSmallest;
+  const auto place = yaml.find(piece);
+  EXPECT_NE(place, std::string::npos) << piece;
+  return error_of(yaml.replace(place, piece.size(), other));
+}
+
+std::string shipped(const std::string& name) {
+  return (std::filesystem::path(__FILE__).parent_path() / "../../../config/worlds" / name).string();
+}
+
+TEST(World, ReadsTheSmallest) {
+  const World world = parse_world(kSmallest, "w.yaml");
+  EXPECT_EQ(world.landmarks.size(), 1U);
+  EXPECT_TRUE(PoseNear(world.drive.world_from_start, Se2(2.0, 1.0, radians(90.0)), 1e-12));
+  EXPECT_TRUE(MatrixNear(world.sensor.base_from_optical * Eigen::Vector3d(0.0, 0.0, 1.0),
+                         Eigen::Vector3d(1.1, 0.0, 0.25), 1e-12))
+      << "depth is forward";
+  EXPECT_TRUE(MatrixNear(world.sensor.base_from_optical.linear() * Eigen::Vector3d::UnitX(),
+                         Eigen::Vector3d(0.0, -1.0, 0.0), 1e-12))
+      << "X is right";
+}
+
+TEST(World, ErrorsAreOneExactLine) {
+  const std::map<std::pair<std::string, std::string>, std::string> cases = {
+      {{"size: [4.0, 3.0]", "size: [4.0]"}, "room/size: '[4.0]' given, allowed: [x, y] in m"},
+      {{"size: [4.0, 3.0]", "sise: [4.0, 3.0]"}, "room/size: is missing, allowed: [x, y] in m"},
+      {{"x: 1.0", "x: 4.5"}, "landmarks[0]/x: '4.5' given, allowed: a number from 0 to 4"},
+      {{"x: 1.0", "x: .nan"}, "landmarks[0]/x: '.nan' given, allowed: a number from 0 to 4"},
+      {{"id: 1", "id: one"}, "landmarks[0]/id: 'one' given, allowed: a whole number from 0 to 1000000"},
+      {{"radius: 0.05", "radios: 0.05"},
+       "landmarks[0]/radius: is missing, allowed: a number from 0.001 to 10"},
+      {{"radius: 0.05", "radius: 0.05, colour: red"},
+       "landmarks[0]/colour: is not known, allowed: id, label, radius, x, y, z"},
+      {{"x: 2.0", "x: 0.1"}, "drive/start/x: '0.1' given, allowed: a number from 0.18 to 3.82"},
+      {{"drive: {", "drive: {loops: 0, "},
+       "drive/loops: '0' given, allowed: a whole number from 1 to 1000000"},
+      {{"drive: {", "drive: {waypoints: [[1, 9]], "},
+       "drive/waypoints[0][1]: '9' given, allowed: a number from 0.18 to 2.82"},
+      {{"sensor: {", "sensor: {miss_rate: 1.5, "},
+       "sensor/miss_rate: '1.5' given, allowed: a number from 0 to 1"},
+      {{"sensor: {", "sensor: {reports_identity: perhaps, "},
+       "sensor/reports_identity: 'perhaps' given, allowed: true or false"},
+      {{"rpy_deg: [0, 0, 0]", "rpy: [0, 0, 0]"},
+       "gyro/base_from_imu/rpy_deg: is missing, allowed: three numbers"},
+      {{"drive: {start", "robots: 2\ndrive: {start"},
+       "robots: is not known, allowed: drive, gyro, landmarks, room, sensor, wheels"},
+  };
+  for (const auto& [change, line] : cases) {
+    EXPECT_EQ(error_with(change.first, change.second), "w.yaml: " + line);
+  }
+}
+
+TEST(World, RefusesOneIdTwice) {
+  EXPECT_EQ(
+      error_with("radius: 0.05}]", "radius: 0.05}, {id: 1, label: red, x: 3, y: 2, z: 0.2, radius: 0.05}]"),
+      "w.yaml: landmarks[1]/id: '1' given, allowed: a number that no other landmark has");
+}
+
+TEST(World, RefusesWhatIsNoWorld) {
+  EXPECT_EQ(error_of("[1, 2]"), "w.yaml: '[1, 2]' given, allowed: a map of keys and values");
+  EXPECT_EQ(error_of("room: [").rfind("w.yaml: not YAML: ", 0), 0U);
+  EXPECT_THROW(read_world("/nowhere/world.yaml"), WorldFileError);
+}
+
+/// The worlds that the documents and the recorded runs use.
+class ShippedWorld : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(ShippedWorld, IsDrivenThroughAndShowsEveryLandmark) {
+  const World world = read_world(shipped(GetParam()));
+  EXPECT_EQ(world.landmarks.size(), 10U);
+  Simulator simulator(world, 1);
+  std::map<int, int> sightings;
+  double seconds = 0.0;
+  while (!simulator.finished() && seconds < 150.0) {
+    const Sample sample = simulator.next();
+    seconds = to_seconds(sample.stamp);
+    if (!sample.sightings) continue;
+    for (const Sighting& sighting : *sample.sightings) ++sightings[sighting.id];
+  }
+  EXPECT_TRUE(simulator.finished());
+  for (const WorldLandmark& landmark : world.landmarks) {
+    EXPECT_GT(sightings[landmark.id], 50) << landmark.id;
+    for (const WorldLandmark& other : world.landmarks) {
+      if (other.id == landmark.id) continue;
+      EXPECT_GE((other.position_in_world - landmark.position_in_world).norm(), 0.6);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ShippedWorld, ::testing::Values("room.yaml", "room_hard.yaml"));
+
+}  // namespace
+}  // namespace kinect_ekf_slam::testing
