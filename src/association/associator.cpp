@@ -19,5 +19,6 @@ std::unique_ptr<Associator<Space>> make_associator(const AssociationOptions& opt
 }
 
 template std::unique_ptr<Associator<Planar>> make_associator<Planar>(const AssociationOptions&);
+template std::unique_ptr<Associator<Spatial>> make_associator<Spatial>(const AssociationOptions&);
 
 }  // namespace kinect_ekf_slam

@@ -64,5 +64,6 @@ std::vector<Assignment> KnownIdentity<Space>::associate(
 }
 
 template class KnownIdentity<Planar>;
+template class KnownIdentity<Spatial>;
 
 }  // namespace kinect_ekf_slam

@@ -104,5 +104,6 @@ std::vector<Assignment> NearestNeighbor<Space>::associate(
 }
 
 template class NearestNeighbor<Planar>;
+template class NearestNeighbor<Spatial>;
 
 }  // namespace kinect_ekf_slam

@@ -126,5 +126,6 @@ void DeadReckoning<Space>::restore(const SlamState<Space>& state) {
 }
 
 template class DeadReckoning<Planar>;
+template class DeadReckoning<Spatial>;
 
 }  // namespace kinect_ekf_slam

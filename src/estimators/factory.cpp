@@ -5,6 +5,8 @@
 
 #include "kinect_ekf_slam/estimators/dead_reckoning.h"
 #include "kinect_ekf_slam/estimators/ekf.h"
+#include "kinect_ekf_slam/estimators/invariant_ekf.h"
+#include "kinect_ekf_slam/estimators/ukf.h"
 
 namespace kinect_ekf_slam {
 
@@ -16,6 +18,10 @@ std::unique_ptr<SlamEstimator<Space>> make_estimator(const EstimatorOptions& opt
   switch (options.type) {
     case EstimatorOptions::Type::kEkf:
       return std::make_unique<Ekf<Space>>(options, std::move(associator), initial);
+    case EstimatorOptions::Type::kInvariantEkf:
+      return std::make_unique<InvariantEkf<Space>>(options, std::move(associator), initial);
+    case EstimatorOptions::Type::kUkf:
+      return std::make_unique<Ukf<Space>>(options, std::move(associator), initial);
     case EstimatorOptions::Type::kDeadReckoning:
       return std::make_unique<DeadReckoning<Space>>(options, std::move(associator), initial);
   }
@@ -25,5 +31,8 @@ std::unique_ptr<SlamEstimator<Space>> make_estimator(const EstimatorOptions& opt
 template std::unique_ptr<SlamEstimator<Planar>> make_estimator<Planar>(const EstimatorOptions&,
                                                                        const AssociationOptions&,
                                                                        const PoseEstimate<Planar>&);
+template std::unique_ptr<SlamEstimator<Spatial>> make_estimator<Spatial>(const EstimatorOptions&,
+                                                                         const AssociationOptions&,
+                                                                         const PoseEstimate<Spatial>&);
 
 }  // namespace kinect_ekf_slam

@@ -15,7 +15,6 @@ typename Space::PoseVector proportional_density(const BodyVelocity& velocity, co
   const double rate = velocity.angular.norm();
   typename Space::PoseVector density = Space::PoseVector::Zero();
   if (speed == 0.0 && rate == 0.0) return density;  // wheels that stand hold the robot
-  constexpr int kTurns = Space::kPoseDim - Space::kPointDim;
   density.template head<Space::kPointDim>().setConstant(squared(options.lateral_noise_per_speed * speed));
   density(0) = squared(options.linear_noise) + squared(options.linear_noise_per_speed * speed);
   const double turning = velocity.heading_from_gyro
@@ -23,7 +22,7 @@ typename Space::PoseVector proportional_density(const BodyVelocity& velocity, co
                              : squared(options.angular_noise) +
                                    squared(options.angular_noise_per_rate * rate) +
                                    squared(options.angular_noise_per_speed * speed);
-  density.template tail<kTurns>().setConstant(turning);
+  density.template tail<Space::kTurnDim>().setConstant(turning);
   return density;
 }
 
@@ -60,5 +59,6 @@ MotionStep<Space> motion_step(const BodyVelocity& velocity, double dt, const Mot
 }
 
 template MotionStep<Planar> motion_step<Planar>(const BodyVelocity&, double, const MotionOptions&);
+template MotionStep<Spatial> motion_step<Spatial>(const BodyVelocity&, double, const MotionOptions&);
 
 }  // namespace kinect_ekf_slam

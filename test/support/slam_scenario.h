@@ -90,11 +90,9 @@ class Scenario {
   const Pose& true_pose() const { return true_pose_; }
   const std::vector<Point>& landmarks() const { return landmarks_; }
 
-  /// Error of an estimate in its own terms: position in the map's axes, rotation local.
+  /// Error of an estimate in its own terms.
   typename Space::PoseVector error_of(const Pose& estimate) const {
-    typename Space::PoseVector error = (estimate.inverse() * true_pose_).log();
-    error.template head<Space::kPointDim>() = true_pose_.translation() - estimate.translation();
-    return error;
+    return pose_error<Space>(estimate, true_pose_);
   }
 
   template <class Matrix>

@@ -3,7 +3,7 @@
 namespace kinect_ekf_slam {
 
 struct EstimatorOptions {
-  enum class Type { kEkf, kDeadReckoning };
+  enum class Type { kEkf, kInvariantEkf, kUkf, kDeadReckoning };
   Type type = Type::kEkf;
   /// An accepted observation whose squared Mahalanobis distance exceeds this has its noise inflated in the
   /// same proportion, so that an unlikely sighting pulls less; 0: never.

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "kinect_ekf_slam/estimators/gaussian_state.h"
+#include "kinect_ekf_slam/estimators/landmark_ids.h"
+#include "kinect_ekf_slam/estimators/options.h"
+#include "kinect_ekf_slam/estimators/slam_estimator.h"
+
+namespace kinect_ekf_slam {
+
+/// What all Kalman estimators share: associate, correct in one joint update, add what is new, doubt what is
+/// contradicted (docs/theory.md, section 4). What tells them apart is how the measurement is linearised and
+/// how an error moves the estimate.
+template <class Space>
+class KalmanSlam : public SlamEstimator<Space> {
+ public:
+  KalmanSlam(const EstimatorOptions& options, std::shared_ptr<const Associator<Space>> associator,
+             const PoseEstimate<Space>& initial)
+      : options_(options),
+        associator_(std::move(associator)),
+        state_(initial),
+        ids_(associator_->knows_identities()) {}
+
+  void predict(const MotionStep<Space>& step) override;
+  UpdateReport observe(TimeNs stamp, const std::vector<Observation<Space>>& observations) override;
+  PoseEstimate<Space> pose() const override { return {state_.map_from_base(), state_.pose_covariance()}; }
+  std::vector<LandmarkEstimate<Space>> landmarks() const override { return state_.landmarks(); }
+  SlamState<Space> snapshot() const override { return state_.snapshot(); }
+  void restore(const SlamState<Space>& state) override;
+  void set_pose(const PoseEstimate<Space>& pose) override { state_.set_pose(pose); }
+  void set_map_fixed(bool fixed) override { map_fixed_ = fixed; }
+
+ protected:
+  static constexpr int kPoseDim = Space::kPoseDim;
+  static constexpr int kPointDim = Space::kPointDim;
+  using Point = typename Space::Point;
+  using PointMatrix = typename Space::PointMatrix;
+  using PoseMatrix = typename Space::PoseMatrix;
+
+  /// Sightings of mapped landmarks, as the joint update takes them.
+  struct Match {
+    std::size_t observation;
+    int landmark;
+    double squared_distance;
+  };
+  /// The joint measurement as the state predicts it: points in the base, one after the other.
+  struct PredictedMeasurement {
+    Eigen::VectorXd mean;        ///< m
+    Eigen::MatrixXd cross;       ///< covariance of the state with it: P H^T
+    Eigen::MatrixXd covariance;  ///< of it, without the measurement's noise: H P H^T
+  };
+
+  virtual void predict_measurement(const std::vector<Match>& matches, PredictedMeasurement* predicted) = 0;
+  /// Moves the state by an error: the whole of it, or the pose alone when that is all that is given.
+  virtual void retract(const Eigen::Ref<const Eigen::VectorXd>& error);
+
+  /// The rows of H that are not zero: by the pose's error, and by that of the one landmark seen.
+  struct Jacobian {
+    typename Space::PointByPose by_pose;
+    PointMatrix by_landmark;
+  };
+  Jacobian jacobian(int landmark, Point* point_in_base = nullptr) const;
+
+  EstimatorOptions options_;
+  std::shared_ptr<const Associator<Space>> associator_;
+  GaussianState<Space> state_;
+  bool map_fixed_ = false;
+
+ private:
+  class Expectation;
+
+  bool update(TimeNs stamp, const std::vector<Observation<Space>>& observations,
+              const std::vector<Match>& matches, UpdateReport* report);
+  /// R of a match, larger where the sighting is unlikely or says again what the last one said.
+  PointMatrix measurement_noise(TimeNs stamp, const Observation<Space>& observation,
+                                const Match& match) const;
+  void add_landmark(TimeNs stamp, const Observation<Space>& observation);
+  void replace_if_contradicted(TimeNs stamp, const std::vector<Observation<Space>>& observations,
+                               UpdateReport* report);
+
+  std::vector<int> contradictions_;  ///< of each landmark, refused sightings in a row
+  LandmarkIds ids_;
+  PredictedMeasurement predicted_;  ///< reused between updates
+};
+
+}  // namespace kinect_ekf_slam
