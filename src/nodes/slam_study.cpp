@@ -6,8 +6,9 @@
 #include "kinect_ekf_slam/core/atomic_file.h"
 #include "kinect_ekf_slam/ros/command_line.h"
 #include "kinect_ekf_slam/ros/parameters.h"
-#include "kinect_ekf_slam/ros/room_study.h"
 #include "kinect_ekf_slam/simulation/world.h"
+#include "kinect_ekf_slam/study/consistency_study.h"
+#include "kinect_ekf_slam/study/room_study.h"
 
 namespace {
 
@@ -15,78 +16,134 @@ constexpr const char* kUsage =
     "usage: slam_study room [--world FILE.yaml] [--seeds N] [--config FILE.yaml] [--set group/key=value "
     "...]\n"
     "                       [--json FILE]\n"
+    "       slam_study consistency [--space planar|spatial] [--sensor kinect|far] [--seeds N] [--loops N]\n"
+    "                       [--json FILE]\n"
     "\n"
-    "Simulates one world with many seeds, runs each through the SLAM pipeline in memory, and compares with "
-    "the\n"
-    "truth.\n"
+    "room: simulates one world with many seeds, runs each through the SLAM pipeline in memory, and compares "
+    "with\n"
+    "the truth.\n"
     "  --world FILE.yaml       default: config/worlds/room.yaml\n"
-    "  --seeds N               seeds 1 to N; default: 100\n"
     "  --config FILE.yaml      parameters that differ from config/slam.yaml; may be given more than once\n"
     "  --set group/key=value   one parameter, over all files\n"
-    "  --json FILE             write the figures, also those of each seed, there\n"
+    "consistency: many loops with exactly the noise that the filters assume: do their covariances tell the "
+    "truth?\n"
+    "  --space                 default: planar\n"
+    "  --sensor                kinect: 0.6 to 2.6 m, far: up to 5 m, both 57 degrees wide; default: kinect\n"
+    "  --loops N               default: 10\n"
+    "Both:\n"
+    "  --seeds N               seeds 1 to N; default: 100, consistency: 50\n"
+    "  --json FILE             write the figures, also those of each seed or time, there\n"
     "Exit: 0 done, 2 the input cannot be used (one line says why).\n";
 
 constexpr int kMostSeeds = 1000000;
 
-struct Arguments {
+using kinect_ekf_slam::CommandLine;
+
+int seed_count(CommandLine* words) {
+  return words->number(1, kMostSeeds, "a whole number from 1 to " + std::to_string(kMostSeeds));
+}
+
+/// One of `choices`, which the present word of the command line must be followed by.
+std::string choice(CommandLine* words, const std::vector<std::string>& choices) {
+  const std::string option = words->word();
+  std::string value = words->value();
+  std::string allowed;
+  for (const std::string& candidate : choices) {
+    if (candidate == value) return value;
+    allowed += (allowed.empty() ? "" : ", ") + candidate;
+  }
+  words->fail(option + ": '" + value + "' given, allowed: " + allowed);
+}
+
+void write(const std::string& path, const std::string& json) {
+  if (!path.empty()) kinect_ekf_slam::write_file_atomically(path, json);
+}
+
+void study_room(CommandLine* words) {
   std::string world = "config/worlds/room.yaml";
-  int seeds = 100;
   std::vector<std::string> configs;
   std::vector<std::string> settings;
   std::string json;
-};
-
-Arguments parse(kinect_ekf_slam::CommandLine* words) {
-  Arguments arguments;
-  std::string subcommand;
+  kinect_ekf_slam::RoomStudy study;
   while (words->next()) {
     const std::string& word = words->word();
     if (word == "--world") {
-      arguments.world = words->value();
+      world = words->value();
     } else if (word == "--seeds") {
-      arguments.seeds =
-          words->number(1, kMostSeeds, "a whole number from 1 to " + std::to_string(kMostSeeds));
+      study.seeds = seed_count(words);
     } else if (word == "--config") {
-      arguments.configs.push_back(words->value());
+      configs.push_back(words->value());
     } else if (word == "--set") {
-      const std::vector<std::string> settings = words->assignments();
-      arguments.settings.insert(arguments.settings.end(), settings.begin(), settings.end());
+      const std::vector<std::string> more = words->assignments();
+      settings.insert(settings.end(), more.begin(), more.end());
     } else if (word == "--json") {
-      arguments.json = words->value();
-    } else if (words->is_option()) {
-      words->fail_at_word("unknown option");
-    } else if (subcommand.empty()) {
-      subcommand = word;
+      json = words->value();
     } else {
-      words->fail_at_word("one study at a time");
+      words->fail_at_word("unknown option of room");
     }
   }
-  if (subcommand != "room") words->fail("'" + subcommand + "' given, allowed: room; see --help");
-  return arguments;
+  study.world = kinect_ekf_slam::read_world(world);
+  if (study.world.drive.waypoints_in_world.empty())
+    words->fail(world + ": drive/waypoints: none to drive to");
+  study.pipeline = kinect_ekf_slam::read_run_options(configs, settings, [](const std::string& line) {
+                     std::fprintf(stderr, "slam_study: warning: %s\n", line.c_str());
+                   }).pipeline;
+  study.on_progress = kinect_ekf_slam::progress_bar();
+  const std::vector<kinect_ekf_slam::RoomRun> runs = kinect_ekf_slam::run_study(study);
+  const kinect_ekf_slam::RoomSummary summary = kinect_ekf_slam::summarize(runs);
+  kinect_ekf_slam::clear_progress_bar();
+  std::fputs(kinect_ekf_slam::to_table(summary).c_str(), stdout);
+  write(json, kinect_ekf_slam::to_json(summary, runs));
+}
+
+void study_consistency(CommandLine* words) {
+  using Type = kinect_ekf_slam::EstimatorOptions::Type;
+  kinect_ekf_slam::ConsistencyScenario scenario;
+  std::string space = kinect_ekf_slam::Planar::kName;
+  std::string json;
+  int seeds = 50;
+  while (words->next()) {
+    const std::string& word = words->word();
+    if (word == "--space") {
+      space = choice(words, {kinect_ekf_slam::Planar::kName, kinect_ekf_slam::Spatial::kName});
+    } else if (word == "--sensor") {
+      if (choice(words, {"kinect", "far"}) == "far") {
+        scenario.sensor.min_depth = 0.1;
+        scenario.sensor.max_depth = scenario.sensor.max_lateral = 5.0;
+      }
+    } else if (word == "--seeds") {
+      seeds = seed_count(words);
+    } else if (word == "--loops") {
+      scenario.loops = words->number(1, 1000, "a whole number from 1 to 1000");
+    } else if (word == "--json") {
+      json = words->value();
+    } else {
+      words->fail_at_word("unknown option of consistency");
+    }
+  }
+  const std::vector<Type> estimators = {Type::kEkf, Type::kInvariantEkf, Type::kUkf};
+  const auto progress = kinect_ekf_slam::progress_bar();
+  const auto results =
+      space == kinect_ekf_slam::Planar::kName
+          ? kinect_ekf_slam::run_consistency<kinect_ekf_slam::Planar>(scenario, estimators, seeds, progress)
+          : kinect_ekf_slam::run_consistency<kinect_ekf_slam::Spatial>(scenario, estimators, seeds, progress);
+  kinect_ekf_slam::clear_progress_bar();
+  std::fputs(kinect_ekf_slam::to_table(results).c_str(), stdout);
+  write(json, kinect_ekf_slam::to_json(results));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  kinect_ekf_slam::CommandLine words("slam_study", kUsage, argc, argv);
-  const Arguments arguments = parse(&words);
+  CommandLine words("slam_study", kUsage, argc, argv);
   try {
-    kinect_ekf_slam::RoomStudy study;
-    study.world = kinect_ekf_slam::read_world(arguments.world);
-    if (study.world.drive.waypoints_in_world.empty())
-      words.fail(arguments.world + ": drive/waypoints: none to drive to");
-    study.pipeline =
-        kinect_ekf_slam::read_run_options(arguments.configs, arguments.settings, [](const std::string& line) {
-          std::fprintf(stderr, "slam_study: warning: %s\n", line.c_str());
-        }).pipeline;
-    study.seeds = arguments.seeds;
-    study.on_progress = kinect_ekf_slam::progress_bar();
-    const std::vector<kinect_ekf_slam::RoomRun> runs = kinect_ekf_slam::run_study(study);
-    const kinect_ekf_slam::RoomSummary summary = kinect_ekf_slam::summarize(runs);
-    kinect_ekf_slam::clear_progress_bar();
-    std::fputs(kinect_ekf_slam::to_table(summary).c_str(), stdout);
-    if (!arguments.json.empty()) {
-      kinect_ekf_slam::write_file_atomically(arguments.json, kinect_ekf_slam::to_json(summary, runs));
+    const std::string study = words.next() ? words.word() : "";
+    if (study == "room") {
+      study_room(&words);
+    } else if (study == "consistency") {
+      study_consistency(&words);
+    } else {
+      words.fail("'" + study + "' given, allowed: room, consistency; see --help");
     }
   } catch (const std::exception& error) {
     words.fail(error.what());

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "kinect_ekf_slam/ros/parameters.h"
-#include "kinect_ekf_slam/ros/room_study.h"
+#include "kinect_ekf_slam/study/room_study.h"
 
 namespace kinect_ekf_slam {
 namespace {

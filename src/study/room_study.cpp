@@ -1,18 +1,14 @@
-#include "kinect_ekf_slam/ros/room_study.h"
+#include "kinect_ekf_slam/study/room_study.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <cstdio>
-#include <exception>
 #include <limits>
-#include <mutex>
-#include <thread>
 
 #include "kinect_ekf_slam/core/angles.h"
-#include "kinect_ekf_slam/core/chi_square.h"
 #include "kinect_ekf_slam/pipeline/slam_pipeline.h"
+#include "kinect_ekf_slam/study/monte_carlo.h"
+#include "kinect_ekf_slam/study/text.h"
 
 namespace kinect_ekf_slam {
 namespace {
@@ -85,28 +81,6 @@ Spread spread(const std::vector<RoomRun>& runs, const Figure& figure) {
   return result;
 }
 
-/// Share of the times at which the runs' mean is in the bounds. All runs count up to the shortest one's end.
-double inside_share(const std::vector<RoomRun>& runs, double low, double high) {
-  std::size_t times = runs.front().nees.size();
-  for (const RoomRun& run : runs) times = std::min(times, run.nees.size());
-  std::size_t inside = 0;
-  for (std::size_t i = 0; i < times; ++i) {
-    double mean = 0.0;
-    for (const RoomRun& run : runs) mean += run.nees[i] / static_cast<double>(runs.size());
-    if (mean >= low && mean <= high) ++inside;
-  }
-  return static_cast<double>(inside) / static_cast<double>(times);
-}
-
-template <class... Values>
-std::string format(const char* pattern, Values... values) {
-  char line[256];
-  std::snprintf(line, sizeof(line), pattern, values...);
-  return line;
-}
-
-std::string number(double value) { return std::isfinite(value) ? format("%.6g", value) : "null"; }
-
 std::string json(const Spread& spread) {
   return "{\"mean\": " + number(spread.mean) + ", \"median\": " + number(spread.median) +
          ", \"worst\": " + number(spread.worst) + "}";
@@ -131,33 +105,10 @@ SensorFrame to_sensor_frame(const Sample& sample, const World& world) {
 }
 
 std::vector<RoomRun> run_study(const RoomStudy& study) {
-  const auto count = static_cast<std::size_t>(study.seeds);
-  std::vector<RoomRun> runs(count);
-  std::atomic<std::size_t> next{0};
-  std::atomic<std::size_t> done{0};
-  std::exception_ptr problem;
-  std::mutex problem_mutex;
-  const auto work = [&](bool reports) {
-    try {
-      for (std::size_t i = next++; i < count; i = next++) {
-        runs[i] = run_room(study, study.first_seed + i);
-        ++done;
-        if (reports && study.on_progress) {
-          study.on_progress(static_cast<double>(done) / static_cast<double>(count));
-        }
-      }
-    } catch (...) {
-      const std::lock_guard<std::mutex> lock(problem_mutex);
-      problem = std::current_exception();
-      next = count;
-    }
-  };
-  std::vector<std::thread> threads;
-  const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
-  for (unsigned i = 1; i < cores; ++i) threads.emplace_back(work, false);
-  work(true);
-  for (std::thread& thread : threads) thread.join();
-  if (problem) std::rethrow_exception(problem);
+  std::vector<RoomRun> runs(static_cast<std::size_t>(study.seeds));
+  for_each_run(
+      runs.size(), [&](std::size_t i) { runs[i] = run_room(study, study.first_seed + i); },
+      study.on_progress);
   return runs;
 }
 
@@ -177,9 +128,12 @@ RoomSummary summarize(const std::vector<RoomRun>& runs) {
   summary.landmark_rmse_start = spread(runs, [](const RoomRun& run) { return run.map.rmse; });
   summary.path_rmse = spread(runs, [](const RoomRun& run) { return run.path_rmse; });
   summary.nees = spread(runs, [](const RoomRun& run) { return run.nees_mean; });
-  summary.nees_low = chi_square_quantile(0.025, kPoseDof * count) / count;
-  summary.nees_high = chi_square_quantile(0.975, kPoseDof * count) / count;
-  summary.nees_inside_share = inside_share(runs, summary.nees_low, summary.nees_high);
+  std::vector<std::vector<double>> nees;
+  for (const RoomRun& run : runs) nees.push_back(run.nees);
+  const Consistency honesty = consistency(nees, kPoseDof);
+  summary.nees_low = honesty.low;
+  summary.nees_high = honesty.high;
+  summary.nees_inside_share = honesty.inside_share;
   return summary;
 }
 
