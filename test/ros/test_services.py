@@ -372,7 +372,7 @@ class InitialPose(SlamCase):
 
 class LiveParameters(SlamCase):
     def client(self, run):
-        client = Client(run.process.name + "/live", timeout=8)
+        client = Client(run.process.name + "/live", timeout=30)
         self.addCleanup(client.close)
         return client
 
@@ -389,7 +389,7 @@ class LiveParameters(SlamCase):
 
     def test_they_start_with_what_the_parameters_say(self):
         run = self.start({"sensor/max_depth": 3.25, "output/marker_sigmas": 2.0})
-        present = self.client(run).get_configuration(timeout=8)
+        present = self.client(run).get_configuration(timeout=30)
         self.assertEqual((present["sensor_max_depth"], present["output_marker_sigmas"]), (3.25, 2.0))
 
     def test_a_change_survives_a_reset(self):
