@@ -16,7 +16,7 @@ namespace kinect_ekf_slam {
 /// stand high and low.
 struct ConsistencyScenario {
   int loops = 10;
-  double speed = 0.3;               ///< m/s
+  double speed = 0.5;               ///< m/s
   double rate = 10.0;               ///< Hz, of odometry and sensor
   double linear_sigma = 0.05;       ///< m/s, of the forward speed in each odometry
   double angular_sigma_deg = 5.0;   ///< deg/s, of each turn rate
