@@ -5,6 +5,7 @@
 
 #include "kinect_ekf_slam/estimators/dead_reckoning.h"
 #include "kinect_ekf_slam/estimators/ekf.h"
+#include "kinect_ekf_slam/estimators/fast_slam.h"
 
 namespace kinect_ekf_slam {
 
@@ -16,6 +17,9 @@ std::unique_ptr<SlamEstimator<Space>> make_estimator(const EstimatorOptions& opt
   switch (options.type) {
     case EstimatorOptions::Type::kEkf:
       return std::make_unique<Ekf<Space>>(options, std::move(associator), initial);
+    case EstimatorOptions::Type::kFastSlam1:
+    case EstimatorOptions::Type::kFastSlam2:
+      return std::make_unique<FastSlam<Space>>(options, std::move(associator), initial);
     case EstimatorOptions::Type::kDeadReckoning:
       return std::make_unique<DeadReckoning<Space>>(options, std::move(associator), initial);
   }

@@ -299,9 +299,13 @@ void visit(Visitor& v, EstimatorOptions& o, PipelineOptions& pipeline) {
   v.require("estimator/type");
   v.choice<EstimatorOptions::Type>(
       "estimator/type", &o.type,
-      {{"ekf", EstimatorOptions::Type::kEkf}, {"dead_reckoning", EstimatorOptions::Type::kDeadReckoning}},
-      "ekf: the extended Kalman filter; dead_reckoning: open loop, landmarks are plotted where they are "
-      "seen");
+      {{"ekf", EstimatorOptions::Type::kEkf},
+       {"fastslam1", EstimatorOptions::Type::kFastSlam1},
+       {"fastslam2", EstimatorOptions::Type::kFastSlam2},
+       {"dead_reckoning", EstimatorOptions::Type::kDeadReckoning}},
+      "ekf: the extended Kalman filter; fastslam1, fastslam2: particles drawn from the motion, or from "
+      "motion "
+      "and sightings; dead_reckoning: open loop, landmarks are plotted where they are seen");
   std::string space = Planar::kName;
   v.choice<std::string>("estimator/space", &space, {{Planar::kName, Planar::kName}}, "where the robot lives");
   v.number("estimator/robust_threshold", &o.robust_threshold, 0.0, kInfinity, "-",
@@ -309,6 +313,16 @@ void visit(Visitor& v, EstimatorOptions& o, PipelineOptions& pipeline) {
   v.integer("estimator/replace_after", &o.replace_after, 0, 1000, "sightings",
             "known identities: in a row that contradict a landmark place it anew; 0: never");
   v.integer("estimator/max_landmarks", &o.max_landmarks, 1, 1000000, "landmarks", "more are refused");
+  v.integer("estimator/particles", &o.particles, 1, 100000, "particles", "FastSLAM");
+  v.number("estimator/resample_below", &o.resample_below, 0.0, 1.0, "-",
+           "FastSLAM: resampled when a smaller share of the particles is effective");
+  v.choice<EstimatorOptions::MotionTail>(
+      "estimator/motion_tail", &o.motion_tail,
+      {{"gaussian", EstimatorOptions::MotionTail::kGaussian},
+       {"cauchy", EstimatorOptions::MotionTail::kCauchy}},
+      "FastSLAM: errors of the motion; cauchy: now and then one of many sigma");
+  v.integer("estimator/seed", &o.seed, 0, std::numeric_limits<int>::max(), "-",
+            "FastSLAM: of the random numbers; the same seed gives the same result");
   InitialPoseOptions& start = pipeline.initial_pose;
   v.number("estimator/initial_x", &start.x, -1e6, 1e6, "m", "where the robot starts in the map");
   v.number("estimator/initial_y", &start.y, -1e6, 1e6, "m", "where the robot starts in the map");

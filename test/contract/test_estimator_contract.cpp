@@ -20,10 +20,18 @@ template <class SpaceType, EstimatorOptions::Type kTypeValue>
 struct Case {
   using Space = SpaceType;
   static constexpr EstimatorOptions::Type kType = kTypeValue;
+  /// Particles hold a Gaussian as samples: what another says exactly holds for them on the average.
+  static constexpr bool kSamples =
+      kType == EstimatorOptions::Type::kFastSlam1 || kType == EstimatorOptions::Type::kFastSlam2;
+  /// A covariance that goes through the robot's axes and back.
+  static constexpr double kRounding = kSamples ? 1e-15 : 0.0;
+  /// m; a mean over 100 particles of what is known to 0.01 m at 2 m and 0.01 rad, five times its deviation.
+  static constexpr double kPlacing = kSamples ? 0.012 : 1e-12;
 };
 
-using Cases = ::testing::Types<Case<Planar, EstimatorOptions::Type::kEkf>,
-                               Case<Planar, EstimatorOptions::Type::kDeadReckoning>>;
+using Cases = ::testing::Types<
+    Case<Planar, EstimatorOptions::Type::kEkf>, Case<Planar, EstimatorOptions::Type::kFastSlam1>,
+    Case<Planar, EstimatorOptions::Type::kFastSlam2>, Case<Planar, EstimatorOptions::Type::kDeadReckoning>>;
 
 template <class EstimatorCase>
 class EstimatorContract : public ::testing::Test {
@@ -88,6 +96,21 @@ class EstimatorContract : public ::testing::Test {
       EXPECT_EQ(a.infos[i].observations, b.infos[i].observations);
     }
   }
+  /// Equal to the last bit; of particles: the same pose, landmarks and covariances of each.
+  static void expect_equivalent(const SlamEstimator<CaseSpace>& left, const SlamEstimator<CaseSpace>& right) {
+    if (!EstimatorCase::kSamples) return expect_same(left, right);
+    EXPECT_TRUE(SamePose(left.pose().map_from_base, right.pose().map_from_base, 1e-9));
+    EXPECT_TRUE(MatrixNear(left.pose().covariance, right.pose().covariance, 1e-9));
+    const auto a = left.landmarks();
+    const auto b = right.landmarks();
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      EXPECT_EQ(a[i].info.id, b[i].info.id);
+      EXPECT_EQ(a[i].info.observations, b[i].info.observations);
+      EXPECT_TRUE(MatrixNear(a[i].position_in_map, b[i].position_in_map, 1e-9));
+      EXPECT_TRUE(MatrixNear(a[i].covariance, b[i].covariance, 1e-9));
+    }
+  }
 };
 
 TYPED_TEST_SUITE(EstimatorContract, Cases);
@@ -95,7 +118,7 @@ TYPED_TEST_SUITE(EstimatorContract, Cases);
 TYPED_TEST(EstimatorContract, StartsWhereItIsToldWithAnEmptyMap) {
   const auto estimator = this->make();
   EXPECT_TRUE(this->SamePose(estimator->pose().map_from_base, this->start().map_from_base, 0.0));
-  EXPECT_TRUE(MatrixNear(estimator->pose().covariance, this->start().covariance, 0.0));
+  EXPECT_TRUE(MatrixNear(estimator->pose().covariance, this->start().covariance, TypeParam::kRounding));
   EXPECT_TRUE(estimator->landmarks().empty());
   EXPECT_EQ(estimator->snapshot().covariance.rows(), TypeParam::Space::kPoseDim);
 }
@@ -124,8 +147,8 @@ TYPED_TEST(EstimatorContract, PutsANewLandmarkWhereItIsSeen) {
   EXPECT_EQ(landmarks[0].info.source_id, 7);
   EXPECT_EQ(landmarks[0].info.label(), "red");
   EXPECT_EQ(landmarks[0].info.last_seen, 5);
-  EXPECT_TRUE(
-      MatrixNear(landmarks[0].position_in_map, this->start().map_from_base * this->point(2.0, -1.0), 1e-12));
+  EXPECT_TRUE(MatrixNear(landmarks[0].position_in_map, this->start().map_from_base * this->point(2.0, -1.0),
+                         TypeParam::kPlacing));
   EXPECT_TRUE(IsCovariance(landmarks[0].covariance));
 }
 
@@ -213,7 +236,7 @@ TYPED_TEST(EstimatorContract, SnapshotAndRestoreChangeNothing) {
   const auto estimator = this->made_a_map();
   const auto before = estimator->clone();
   estimator->restore(estimator->snapshot());
-  this->expect_same(*estimator, *before);
+  this->expect_equivalent(*estimator, *before);
 }
 
 TYPED_TEST(EstimatorContract, AnotherEstimatorGoesOnFromASnapshot) {
@@ -227,7 +250,13 @@ TYPED_TEST(EstimatorContract, AnotherEstimatorGoesOnFromASnapshot) {
   Scenario<Space> same_future = scenario;
   this->run(original.get(), &scenario, 20, 100);
   this->run(other.get(), &same_future, 20, 100);
-  this->expect_same(*other, *original);
+  if (TypeParam::kSamples) {
+    const auto error = scenario.error_of(other->pose().map_from_base);
+    EXPECT_LT(error.template head<Space::kPointDim>().norm(), 0.3) << "m, after 8 m of driving";
+    EXPECT_EQ(other->landmarks().size(), original->landmarks().size());
+  } else {
+    this->expect_same(*other, *original);
+  }
 }
 
 TYPED_TEST(EstimatorContract, ACopyLivesOnItsOwn) {
@@ -249,7 +278,7 @@ TYPED_TEST(EstimatorContract, APoseThatIsSetIsIndependentOfTheMap) {
   const PoseEstimate<Space> put = pose_at<Space>(Space::Pose::exp(this->some_twist(-0.7)), 0.3);
   estimator->set_pose(put);
   EXPECT_TRUE(this->SamePose(estimator->pose().map_from_base, put.map_from_base, 0.0));
-  EXPECT_TRUE(MatrixNear(estimator->pose().covariance, put.covariance, 0.0));
+  EXPECT_TRUE(MatrixNear(estimator->pose().covariance, put.covariance, TypeParam::kRounding));
   const SlamState<Space> after = estimator->snapshot();
   const auto points = after.landmarks_in_map.size();
   EXPECT_TRUE(after.covariance.bottomLeftCorner(points, kPoseDim).isZero(0.0));

@@ -3,7 +3,7 @@
 namespace kinect_ekf_slam {
 
 struct EstimatorOptions {
-  enum class Type { kEkf, kDeadReckoning };
+  enum class Type { kEkf, kFastSlam1, kFastSlam2, kDeadReckoning };
   Type type = Type::kEkf;
   /// An accepted observation whose squared Mahalanobis distance exceeds this has its noise inflated in the
   /// same proportion, so that an unlikely sighting pulls less; 0: never.
@@ -12,6 +12,13 @@ struct EstimatorOptions {
   /// many support, was misplaced (a misread identity) and is placed anew; 0: never.
   int replace_after = 3;
   int max_landmarks = 2000;  ///< more are refused
+
+  /// FastSLAM.
+  int particles = 100;
+  double resample_below = 0.5;  ///< share of the particles; resampled when fewer are effective
+  enum class MotionTail { kGaussian, kCauchy };
+  MotionTail motion_tail = MotionTail::kGaussian;  ///< kCauchy: now and then an error of many sigma
+  int seed = 1;
 };
 
 }  // namespace kinect_ekf_slam
