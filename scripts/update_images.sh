@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Makes the pictures in docs/images again: those of scripts/demo.sh without a display, smaller.
+# Makes the pictures in docs/images again: those of scripts/demo.sh without a display, smaller, and that of the
+# consistency study.
 #   scripts/update_images.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -10,4 +11,7 @@ scripts/demo.sh
 for name in rviz evaluation; do
   convert "runs/demo/$name.png" -resize 1000x -strip -dither None -colors 200 "PNG8:docs/images/$name.png"
 done
+build/devel/env.sh slam_study consistency --json runs/consistency.json
+build/devel/env.sh python3 scripts/plot_consistency.py runs/consistency.json runs/consistency.png
+convert runs/consistency.png -resize 1000x -strip -dither None -colors 200 PNG8:docs/images/consistency.png
 identify -format '%d/%f %wx%h %b\n' docs/images/*.png

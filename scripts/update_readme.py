@@ -37,6 +37,16 @@ def demo_summary():
     return output_of("scripts/demo.sh").rsplit("== Result\n", 1)[-1]
 
 
+def consistency_figures():
+    """The study in both spaces with both sensors."""
+    tables = []
+    for space in ("planar", "spatial"):
+        for sensor, meaning in (("far", "up to 5 m"), ("kinect", "0.6 to 2.6 m")):
+            tables.append(f"{space}, sensor {meaning}, 57 degrees wide\n" +
+                          output_of(ENVIRONMENT, "slam_study", "consistency", "--space", space, "--sensor", sensor))
+    return "\n".join(tables)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="change nothing, fail when the table is out of date")
@@ -47,7 +57,8 @@ def main():
     after = put(before, "parameters", output_of(ENVIRONMENT, "slam_replay", "--parameters"))
     if arguments.figures:
         after = put(after, "study", fenced(output_of(ENVIRONMENT, "slam_study", "room", "--seeds", "100")))
-        after = put(after, "real data", fenced(output_of("scripts/evaluate_real_data.py")))
+        after = put(after, "consistency", fenced(consistency_figures()))
+        after = put(after, "real data", fenced(output_of("scripts/evaluate_real_data.py", "--estimators")))
         after = put(after, "demo", fenced(demo_summary()))
     if arguments.check:
         if after != before:

@@ -5,6 +5,7 @@
 
 #include "kinect_ekf_slam/estimators/dead_reckoning.h"
 #include "kinect_ekf_slam/estimators/ekf.h"
+#include "kinect_ekf_slam/estimators/fast_slam.h"
 #include "kinect_ekf_slam/estimators/invariant_ekf.h"
 #include "kinect_ekf_slam/estimators/ukf.h"
 
@@ -22,6 +23,9 @@ std::unique_ptr<SlamEstimator<Space>> make_estimator(const EstimatorOptions& opt
       return std::make_unique<InvariantEkf<Space>>(options, std::move(associator), initial);
     case EstimatorOptions::Type::kUkf:
       return std::make_unique<Ukf<Space>>(options, std::move(associator), initial);
+    case EstimatorOptions::Type::kFastSlam1:
+    case EstimatorOptions::Type::kFastSlam2:
+      return std::make_unique<FastSlam<Space>>(options, std::move(associator), initial);
     case EstimatorOptions::Type::kDeadReckoning:
       return std::make_unique<DeadReckoning<Space>>(options, std::move(associator), initial);
   }

@@ -297,15 +297,13 @@ void visit(Visitor& v, SensorOptions& o) {
 
 void visit(Visitor& v, EstimatorOptions& o, PipelineOptions& pipeline) {
   v.require("estimator/type");
-  v.choice<EstimatorOptions::Type>("estimator/type", &o.type,
-                                   {{"ekf", EstimatorOptions::Type::kEkf},
-                                    {"invariant_ekf", EstimatorOptions::Type::kInvariantEkf},
-                                    {"ukf", EstimatorOptions::Type::kUkf},
-                                    {"dead_reckoning", EstimatorOptions::Type::kDeadReckoning}},
-                                   "ekf: the extended Kalman filter; "
-                                   "invariant_ekf: the same with the right-invariant error; "
-                                   "ukf: sigma points instead of Jacobians; "
-                                   "dead_reckoning: open loop, landmarks are plotted where they are seen");
+  std::string estimators;
+  Choices<EstimatorOptions::Type> types;
+  for (const EstimatorName& estimator : kEstimators) {
+    types.emplace_back(estimator.name, estimator.type);
+    estimators += std::string(estimators.empty() ? "" : "; ") + estimator.name + ": " + estimator.meaning;
+  }
+  v.choice<EstimatorOptions::Type>("estimator/type", &o.type, types, estimators);
   v.choice<SpaceType>(
       "estimator/space", &pipeline.space,
       {{Planar::kName, SpaceType::kPlanar}, {Spatial::kName, SpaceType::kSpatial}},
@@ -315,6 +313,16 @@ void visit(Visitor& v, EstimatorOptions& o, PipelineOptions& pipeline) {
   v.integer("estimator/replace_after", &o.replace_after, 0, 1000, "sightings",
             "known identities: in a row that contradict a landmark place it anew; 0: never");
   v.integer("estimator/max_landmarks", &o.max_landmarks, 1, 1000000, "landmarks", "more are refused");
+  v.integer("estimator/particles", &o.particles, 1, 100000, "particles", "FastSLAM");
+  v.number("estimator/resample_below", &o.resample_below, 0.0, 1.0, "-",
+           "FastSLAM: resampled when a smaller share of the particles is effective");
+  v.choice<EstimatorOptions::MotionTail>(
+      "estimator/motion_tail", &o.motion_tail,
+      {{"gaussian", EstimatorOptions::MotionTail::kGaussian},
+       {"cauchy", EstimatorOptions::MotionTail::kCauchy}},
+      "FastSLAM: errors of the motion; cauchy: now and then one of many sigma");
+  v.integer("estimator/seed", &o.seed, 0, std::numeric_limits<int>::max(), "-",
+            "FastSLAM: of the random numbers; the same seed gives the same result");
   InitialPoseOptions& start = pipeline.initial_pose;
   v.number("estimator/initial_x", &start.x, -1e6, 1e6, "m", "where the robot starts in the map");
   v.number("estimator/initial_y", &start.y, -1e6, 1e6, "m", "where the robot starts in the map");

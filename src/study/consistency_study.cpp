@@ -6,7 +6,7 @@
 
 #include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/estimators/factory.h"
-#include "kinect_ekf_slam/simulation/random_stream.h"
+#include "kinect_ekf_slam/core/random_stream.h"
 #include "kinect_ekf_slam/study/text.h"
 
 namespace kinect_ekf_slam {
@@ -217,15 +217,8 @@ Run run_once(const ConsistencyScenario& scenario, EstimatorOptions::Type type, s
 }
 
 const char* name_of(EstimatorOptions::Type type) {
-  switch (type) {
-    case EstimatorOptions::Type::kEkf:
-      return "ekf";
-    case EstimatorOptions::Type::kInvariantEkf:
-      return "invariant_ekf";
-    case EstimatorOptions::Type::kUkf:
-      return "ukf";
-    case EstimatorOptions::Type::kDeadReckoning:
-      return "dead_reckoning";
+  for (const EstimatorName& estimator : kEstimators) {
+    if (estimator.type == type) return estimator.name;
   }
   return "unknown";
 }

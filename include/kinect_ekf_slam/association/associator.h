@@ -55,6 +55,8 @@ class Associator {
                                             const PredictedMap<Space>& map) const = 0;
   /// True when landmarks are told apart by the identity that the detector reads.
   virtual bool knows_identities() const { return false; }
+  /// m; a landmark nearer than this to an observation matters to it whatever the covariances say.
+  virtual double reach() const { return 0.0; }
 };
 
 template <class Space>

@@ -1,9 +1,6 @@
 /// Does the covariance tell the truth? Many seeds, bounds by the chi-square distribution.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
-
-#include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/core/chi_square.h"
 #include "kinect_ekf_slam/estimators/ekf.h"
 #include "test/support/matchers.h"
@@ -12,10 +9,7 @@
 namespace kinect_ekf_slam {
 namespace {
 
-using testing::AngleNear;
 using testing::IsCovariance;
-using testing::MatrixNear;
-using testing::motion;
 using testing::pose_at;
 using testing::Scenario;
 using testing::textbook;
@@ -112,56 +106,6 @@ TEST(Consistency, OfLocalisationInAnUncertainMap) {
   }
   EXPECT_TRUE(IsConsistent(sum / seeds, seeds));
   EXPECT_GT(sum_of_naive / seeds, 6.0) << "the test would not notice a map that is taken for exact";
-}
-
-TEST(LongRun, StaysSymmetricAndPositiveDefinite) {
-  Scenario<Planar> scenario(2, 20, 3.0);
-  scenario.range = 3.5;
-  scenario.motion_sigma = 0.002;
-  const PoseEstimate<Planar> initial = pose_at<Planar>(Se2(), 1e-3);
-  scenario.start_at(initial);
-  const auto ekf = make(initial);
-  for (int i = 1; i <= 100000; ++i) {
-    ekf->predict(scenario.drive({0.05, 0.0, 0.02}));
-    ekf->observe(i, scenario.look());
-    if (i % 5000 != 0) continue;
-    const SlamState<Planar> state = ekf->snapshot();
-    ASSERT_TRUE(state.covariance.allFinite());
-    ASSERT_EQ(state.covariance, state.covariance.transpose()) << i;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(state.covariance);
-    ASSERT_GT(solver.eigenvalues().minCoeff(), 0.0) << i;
-  }
-  EXPECT_EQ(ekf->landmarks().size(), 20U);
-}
-
-/// A sensor far from the robot's centre that looks backwards: its sightings, brought into the base, converge.
-TEST(Convergence, WithASensorFarFromTheCentreAndTurned) {
-  const Se2 base_from_sensor(-2.0, 0.7, kPi);
-  const Se2 true_start(0.0, 0.0, 0.0);
-  const std::vector<Eigen::Vector2d> landmarks = {{-3.5, 0.5}, {-4.0, 1.5}, {-3.0, 2.0}};
-  const auto ekf = make(pose_at<Planar>(true_start, 1e-3));
-  Scenario<Planar> noise(3, 0);
-  Se2 truth = true_start;
-  for (int i = 0; i < 400; ++i) {
-    const MotionStep<Planar> step = motion<Planar>(Se2::exp({0.01, 0.0, 0.03}), 2e-3);
-    truth = truth * step.delta * Se2::exp(noise.draw(step.covariance));
-    ekf->predict(step);
-    std::vector<Observation<Planar>> observations;
-    for (std::size_t k = 0; k < landmarks.size(); ++k) {
-      Eigen::Vector2d in_sensor = (truth * base_from_sensor).inverse() * landmarks[k];
-      auto observation = testing::seen<Planar>({0.0, 0.0}, static_cast<int>(k), 0.02);
-      in_sensor += noise.draw(observation.covariance);
-      observation.position_in_base = base_from_sensor * in_sensor;
-      observations.push_back(observation);
-    }
-    ekf->observe(1 + i, observations);
-  }
-  EXPECT_TRUE(MatrixNear(ekf->pose().map_from_base.translation(), truth.translation(), 0.03));
-  EXPECT_TRUE(AngleNear(ekf->pose().map_from_base.angle(), truth.angle(), 0.015));
-  ASSERT_EQ(ekf->landmarks().size(), landmarks.size());
-  for (const auto& landmark : ekf->landmarks()) {
-    EXPECT_TRUE(MatrixNear(landmark.position_in_map, landmarks[landmark.info.source_id], 0.03));
-  }
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 
 namespace kinect_ekf_slam {
 
-/// Random numbers of one part of the simulation. Each part has a stream of its own, so that another setting
-/// of one leaves the numbers of the others as they were.
+/// Random numbers of one part of a program. Each part has a stream of its own, so that another setting of one
+/// leaves the numbers of the others as they were.
 class RandomStream {
  public:
   RandomStream(std::uint64_t seed, std::uint32_t stream) {

@@ -1,0 +1,392 @@
+#include "kinect_ekf_slam/estimators/fast_slam.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "kinect_ekf_slam/core/chi_square.h"
+
+namespace kinect_ekf_slam {
+/// The associator's view of one particle, of the candidates only.
+template <class Space>
+class FastSlam<Space>::Prediction : public PredictedMap<Space> {
+ public:
+  Prediction(const FastSlam& slam, const Particle& particle, const std::vector<int>& candidates)
+      : slam_(slam), particle_(particle) {
+    for (const int track : candidates) {
+      if (particle.map.find(track) != nullptr) tracks_.push_back(track);
+    }
+  }
+  int size() const override { return static_cast<int>(tracks_.size()); }
+  const LandmarkInfo& info(int landmark) const override { return slam_.tracks_[tracks_[landmark]].info; }
+  Point point_in_base(int landmark) const override { return predicted(landmark).point_in_base; }
+  PointMatrix covariance(int landmark) const override {
+    const PredictedPoint<Space> point = predicted(landmark);
+    return point.by_pose * particle_.error.covariance * point.by_pose.transpose() +
+           point.by_landmark * particle_.map.find(tracks_[landmark])->covariance *
+               point.by_landmark.transpose();
+  }
+  int track(int landmark) const { return tracks_[landmark]; }
+
+ private:
+  PredictedPoint<Space> predicted(int landmark) const {
+    return predict_point<Space>(particle_.map_from_base, particle_.map.find(tracks_[landmark])->mean);
+  }
+  const FastSlam& slam_;
+  const Particle& particle_;
+  std::vector<int> tracks_;
+};
+
+template <class Space>
+FastSlam<Space>::FastSlam(const EstimatorOptions& options,
+                          std::shared_ptr<const Associator<Space>> associator,
+                          const PoseEstimate<Space>& initial)
+    : options_(options),
+      associator_(std::move(associator)),
+      random_(static_cast<std::uint64_t>(options.seed), 0),
+      particles_(static_cast<std::size_t>(options.particles)),
+      weights_(particles_.size(), 1.0 / options.particles),
+      ids_(associator_->knows_identities()) {
+  set_pose(initial);
+}
+
+template <class Space>
+void FastSlam<Space>::predict(const MotionStep<Space>& step) {
+  const auto A = step.delta.inverse().adjoint();  // brings the error so far to the step's end
+  const typename Space::PoseMatrix covariance = A * motion_.covariance * A.transpose() + step.covariance;
+  motion_ = {motion_.delta * step.delta, covariance.template selfadjointView<Eigen::Lower>()};
+}
+
+template <class Space>
+UpdateReport FastSlam<Space>::observe(TimeNs stamp, const Observations& observations) {
+  if (observations.empty()) return {};
+  const Eigen::MatrixXd white = standardized_draws(kPoseDim, options_.particles, &random_);
+  move_particles(white);
+  const std::vector<int> near = candidates(observations);
+  std::vector<double> log_weights(particles_.size());
+  for (std::size_t m = 0; m < particles_.size(); ++m) {
+    log_weights[m] = std::log(weights_[m]) + weigh(stamp, observations, near, &particles_[m]);
+    draw_pose(white.col(static_cast<Eigen::Index>(m)), &particles_[m]);
+    update_landmarks(stamp, observations, &particles_[m]);
+  }
+  weights_ = normalized_weights(log_weights);
+  add_landmarks(stamp, observations);
+
+  std::set<int> touched;
+  for (const Particle& particle : particles_) {
+    for (const Assignment& assignment : particle.assignments) {
+      if (is_accepted(assignment.verdict)) touched.insert(assignment.landmark);
+    }
+  }
+  UpdateReport report = vote(observations.size());
+  note(stamp, observations, &report);
+  for (const int track : touched) bound(track);
+  const double enough = options_.resample_below * static_cast<double>(particles_.size());
+  if (effective_sample_size(weights_) < enough) resample();
+  return report;
+}
+
+/// Brings the particles to the present. FastSLAM 1.0 draws from the motion now; 2.0 when the landmarks were
+/// seen.
+template <class Space>
+void FastSlam<Space>::move_particles(const Eigen::MatrixXd& white) {
+  constexpr double kLongestTail = 100.0;
+  for (std::size_t m = 0; m < particles_.size(); ++m) {
+    Particle& particle = particles_[m];
+    double tail = 1.0;  // a Gaussian over the root of an independent chi-square with one dof is a Cauchy
+    if (options_.motion_tail == EstimatorOptions::MotionTail::kCauchy) {
+      tail = std::min(1.0 / std::abs(random_.normal()), kLongestTail);
+    }
+    particle.map_from_base = particle.map_from_base * motion_.delta;
+    particle.error = {PoseVector::Zero(), tail * tail * motion_.covariance};
+    if (options_.type == EstimatorOptions::Type::kFastSlam1) {
+      draw_pose(white.col(static_cast<Eigen::Index>(m)), &particle);
+    }
+  }
+  motion_ = {};
+}
+
+template <class Space>
+void FastSlam<Space>::draw_pose(const PoseVector& white, Particle* particle) {
+  const PoseVector local = particle->error.mean + covariance_root(particle->error.covariance) * white;
+  particle->map_from_base = particle->map_from_base * Pose::exp(local);
+  particle->error = {};
+}
+
+template <class Space>
+double FastSlam<Space>::squared_reach(const Observation<Space>& observation) const {
+  constexpr double kWidestGate = 64.0;  // squared distance; quantile of 1 - 1e-12 in space: 58
+  const auto by_pose = Space::point_by_pose(observation.position_in_base);
+  double variance = 0.0;
+  for (const Particle& particle : particles_) {
+    variance = std::max(variance, (by_pose * particle.error.covariance * by_pose.transpose()).trace());
+  }
+  return kWidestGate * (variance + observation.covariance.trace());
+}
+
+template <class Space>
+std::vector<int> FastSlam<Space>::candidates(const Observations& observations) const {
+  constexpr double kWidestGate = 64.0;
+  const bool by_identity = associator_->knows_identities();
+  std::vector<Box> seen(by_identity ? 0 : observations.size());
+  std::vector<double> reach(seen.size());
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    for (const Particle& particle : particles_) {
+      seen[k].extend(Point(particle.map_from_base * observations[k].position_in_base));
+    }
+    reach[k] = squared_reach(observations[k]);
+  }
+  const auto matters = [&](const Track& track, std::size_t k) {
+    if (by_identity) return track.info.source_id == observations[k].signature.source_id;
+    const double distance = std::sqrt(seen[k].squaredExteriorDistance(track.box));
+    return distance <= std::max(std::sqrt(reach[k] + kWidestGate * track.variance), associator_->reach());
+  };
+  std::vector<int> tracks;
+  for (std::size_t track = 0; track < tracks_.size(); ++track) {
+    if (tracks_[track].holders == 0) continue;
+    for (std::size_t k = 0; k < observations.size(); ++k) {
+      if (!matters(tracks_[track], k)) continue;
+      tracks.push_back(static_cast<int>(track));
+      break;
+    }
+  }
+  return tracks;
+}
+
+template <class Space>
+double FastSlam<Space>::weigh(TimeNs stamp, const Observations& observations,
+                              const std::vector<int>& candidates, Particle* particle) const {
+  const Prediction prediction(*this, *particle, candidates);
+  particle->assignments = associator_->associate(observations, prediction);
+  particle->nis = 0.0;
+  particle->dof = 0;
+  double log_weight = 0.0;
+  // The weight is the likelihood of the sightings given the pose's Gaussian, which they sharpen; in
+  // FastSLAM 1.0 the pose is settled and its Gaussian a point. All are linearised at the same pose: the order
+  // does not matter.
+  for (std::size_t k = 0; k < observations.size(); ++k) {
+    Assignment& assignment = particle->assignments[k];
+    if (assignment.landmark >= 0) assignment.landmark = prediction.track(assignment.landmark);
+    std::optional<Fit> fit;
+    if (assignment.verdict == Verdict::kMatched) {
+      const Landmark& landmark = *particle->map.find(assignment.landmark);
+      const PredictedPoint<Space> point = predict_point<Space>(particle->map_from_base, landmark.mean);
+      const Point innovation = observations[k].position_in_base - point.point_in_base;
+      const PointMatrix noise = point.by_landmark * landmark.covariance * point.by_landmark.transpose() +
+                                measurement_noise(stamp, observations[k], assignment);
+      fit = correct<kPoseDim, kPointDim>(innovation - point.by_pose * particle->error.mean, point.by_pose,
+                                         noise, &particle->error);
+      if (!fit) assignment.verdict = Verdict::kSingular;
+    }
+    log_weight += fit ? fit->log_likelihood : log_unexplained(observations[k]);
+    if (fit) particle->nis += fit->squared_distance;
+    if (fit) particle->dof += kPointDim;
+  }
+  return log_weight;
+}
+
+template <class Space>
+void FastSlam<Space>::update_landmarks(TimeNs stamp, const Observations& observations,
+                                       Particle* particle) const {
+  for (std::size_t k = 0; k < observations.size(); ++k) {
+    const Assignment& assignment = particle->assignments[k];
+    if (assignment.verdict != Verdict::kMatched) continue;
+    Landmark landmark = *particle->map.find(assignment.landmark);
+    const PredictedPoint<Space> point = predict_point<Space>(particle->map_from_base, landmark.mean);
+    correct<kPointDim, kPointDim>(observations[k].position_in_base - point.point_in_base, point.by_landmark,
+                                  measurement_noise(stamp, observations[k], assignment), &landmark);
+    particle->map.set(assignment.landmark, landmark);
+  }
+}
+
+/// R of a match, larger where the sighting is unlikely or says again what the last one said.
+template <class Space>
+typename Space::PointMatrix FastSlam<Space>::measurement_noise(TimeNs stamp,
+                                                               const Observation<Space>& observation,
+                                                               const Assignment& assignment) const {
+  const LandmarkInfo& info = tracks_[assignment.landmark].info;
+  const double echo = info.last_seen == 0 ? 1.0
+                                          : correlation_inflation(to_seconds(stamp - info.last_seen),
+                                                                  observation.correlation_time);
+  const double doubt = options_.robust_threshold > 0.0
+                           ? std::max(1.0, assignment.squared_distance / options_.robust_threshold)
+                           : 1.0;
+  return std::max(echo, doubt) * observation.covariance;
+}
+
+/// That of a match that is all but impossible, so that no particle gains by refusing.
+template <class Space>
+double FastSlam<Space>::log_unexplained(const Observation<Space>& observation) const {
+  constexpr double kProbability = 0.9999;
+  static const double distance = chi_square_quantile(kProbability, kPointDim);
+  const double doubt =
+      options_.robust_threshold > 0.0 ? std::max(1.0, distance / options_.robust_threshold) : 1.0;
+  const PointMatrix noise = doubt * observation.covariance;
+  Gaussian<kPointDim> exact;
+  const auto fit = correct<kPointDim, kPointDim>(Point::Zero(), PointMatrix::Identity(), noise, &exact);
+  return (fit ? fit->log_likelihood : 0.0) - 0.5 * distance / doubt;
+}
+
+template <class Space>
+void FastSlam<Space>::add_landmarks(TimeNs stamp, const Observations& observations) {
+  const auto used =
+      std::count_if(tracks_.begin(), tracks_.end(), [](const Track& track) { return track.holders > 0; });
+  int free = options_.max_landmarks - static_cast<int>(used);
+  for (std::size_t k = 0; k < observations.size(); ++k) {
+    int track = -1;
+    for (Particle& particle : particles_) {
+      Assignment& assignment = particle.assignments[k];
+      if (assignment.verdict != Verdict::kCreated) continue;
+      if (fixed_map_) {
+        assignment.verdict = Verdict::kNotInMap;
+      } else if (track < 0 && free == 0) {
+        assignment.verdict = Verdict::kMapFull;
+      } else {
+        if (track < 0) {
+          track = new_track(stamp, observations[k].signature);
+          --free;
+        }
+        place(track, observations[k], &particle);
+        assignment.landmark = track;
+      }
+    }
+  }
+}
+
+template <class Space>
+int FastSlam<Space>::new_track(TimeNs stamp, const Signature& signature) {
+  auto track =
+      std::find_if(tracks_.begin(), tracks_.end(), [](const Track& old) { return old.holders == 0; });
+  if (track == tracks_.end()) track = tracks_.emplace(track);
+  *track = {};
+  track->holders = 1;  // at least: the one that asked
+  track->info.id = ids_.next(signature);
+  track->info.add(stamp, signature);
+  return static_cast<int>(track - tracks_.begin());
+}
+
+/// l = pose * z; the pose is settled, so the landmark is as uncertain as the sighting.
+template <class Space>
+void FastSlam<Space>::place(int track, const Observation<Space>& observation, Particle* particle) const {
+  const PointMatrix R = particle->map_from_base.rotation();
+  const PointMatrix covariance = R * observation.covariance * R.transpose();
+  particle->map.set(track, {particle->map_from_base * observation.position_in_base,
+                            covariance.template selfadjointView<Eigen::Lower>()});
+}
+
+template <class Space>
+UpdateReport FastSlam<Space>::vote(std::size_t observations) const {
+  UpdateReport report;
+  for (std::size_t k = 0; k < observations; ++k) {
+    struct Votes {
+      double weight = 0.0;
+      double squared_distance = 0.0;
+    };
+    std::map<std::pair<Verdict, int>, Votes> choices;
+    for (std::size_t m = 0; m < particles_.size(); ++m) {
+      const Assignment& assignment = particles_[m].assignments[k];
+      Votes& votes = choices[{assignment.verdict, assignment.landmark}];
+      votes.weight += weights_[m];
+      votes.squared_distance += weights_[m] * assignment.squared_distance;
+    }
+    const auto& [choice, votes] = *std::max_element(
+        choices.begin(), choices.end(),
+        [](const auto& left, const auto& right) { return left.second.weight < right.second.weight; });
+    report.assignments.push_back({choice.first, choice.second, votes.squared_distance / votes.weight});
+    if (choice.first == Verdict::kMatched) report.dof += kPointDim;
+  }
+  if (report.dof == 0) return report;
+  double weight = 0.0;
+  double nis = 0.0;
+  for (std::size_t m = 0; m < particles_.size(); ++m) {
+    if (particles_[m].dof != report.dof) continue;
+    weight += weights_[m];
+    nis += weights_[m] * particles_[m].nis;
+  }
+  report.nis = nis / weight;
+  return report;
+}
+
+/// Keeps what all particles have in common up to date, and turns the report's tracks into ids.
+template <class Space>
+void FastSlam<Space>::note(TimeNs stamp, const Observations& observations, UpdateReport* report) {
+  std::set<int> settled;  // a message counts once for a landmark, and not against one that it matched as well
+  for (std::size_t k = 0; k < observations.size(); ++k) {
+    const Assignment& assignment = report->assignments[k];
+    if (assignment.verdict != Verdict::kMatched) continue;
+    settled.insert(assignment.landmark);
+    Track& track = tracks_[assignment.landmark];
+    if (fixed_map_) {
+      track.info.last_seen = stamp;  // the next one may be an echo
+    } else {
+      track.info.add(stamp, observations[k].signature);
+      track.contradictions = 0;
+    }
+  }
+  for (std::size_t k = 0; k < observations.size(); ++k) {
+    Assignment& assignment = report->assignments[k];
+    if (assignment.landmark < 0) continue;
+    Track& track = tracks_[assignment.landmark];
+    if (assignment.verdict == Verdict::kOutsideGate && !fixed_map_ && options_.replace_after > 0 &&
+        settled.insert(assignment.landmark).second) {
+      const int contradictions = ++track.contradictions;
+      if (contradictions >= options_.replace_after &&
+          contradictions >= static_cast<int>(track.info.observations)) {
+        replace(assignment.landmark, stamp, observations[k]);
+        assignment.verdict = Verdict::kCreated;
+      }
+    }
+    assignment.landmark = track.info.id;
+  }
+}
+
+/// The landmark is elsewhere: every particle places it anew.
+template <class Space>
+void FastSlam<Space>::replace(int track, TimeNs stamp, const Observation<Space>& observation) {
+  ids_.misplaced(tracks_[track].info);
+  tracks_[track].info = {};
+  tracks_[track].info.id = ids_.next(observation.signature);
+  tracks_[track].info.add(stamp, observation.signature);
+  tracks_[track].contradictions = 0;
+  for (Particle& particle : particles_) place(track, observation, &particle);
+  bound(track);
+}
+
+/// Finds out again which particles have a landmark, and where.
+template <class Space>
+void FastSlam<Space>::bound(int index) {
+  Track& track = tracks_[index];
+  track.holders = 0;
+  track.box.setEmpty();
+  track.variance = 0.0;
+  for (const Particle& particle : particles_) {
+    const Landmark* landmark = particle.map.find(index);
+    if (landmark == nullptr) continue;
+    ++track.holders;
+    track.box.extend(landmark->mean);
+    track.variance = std::max(track.variance, landmark->covariance.trace());
+  }
+  if (track.holders == 0) ids_.misplaced(track.info);
+}
+
+template <class Space>
+void FastSlam<Space>::resample() {
+  const std::vector<std::size_t> chosen =
+      low_variance_resample(weights_, particles_.size(), random_.uniform(0.0, 1.0));
+  std::vector<Particle> survivors;
+  survivors.reserve(chosen.size());
+  for (const std::size_t m : chosen) survivors.push_back(particles_[m]);
+  particles_ = std::move(survivors);
+  std::fill(weights_.begin(), weights_.end(), 1.0 / static_cast<double>(weights_.size()));
+  for (std::size_t track = 0; track < tracks_.size(); ++track) {
+    const int holders = tracks_[track].holders;
+    if (holders > 0 && holders < options_.particles) bound(static_cast<int>(track));
+  }
+}
+
+template class FastSlam<Planar>;
+template class FastSlam<Spatial>;
+
+}  // namespace kinect_ekf_slam
