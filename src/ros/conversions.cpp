@@ -40,6 +40,14 @@ Eigen::Isometry3d to_eigen(const geometry_msgs::Transform& transform) {
   return isometry(to_eigen(transform.translation), transform.rotation);
 }
 
+geometry_msgs::Vector3 to_vector(const Eigen::Vector3d& vector) {
+  geometry_msgs::Vector3 message;
+  message.x = vector.x();
+  message.y = vector.y();
+  message.z = vector.z();
+  return message;
+}
+
 geometry_msgs::Point to_point(const Eigen::Vector3d& point) {
   geometry_msgs::Point message;
   message.x = point.x();
@@ -67,9 +75,7 @@ geometry_msgs::Pose to_pose(const Eigen::Isometry3d& pose) {
 
 geometry_msgs::Transform to_transform(const Eigen::Isometry3d& transform) {
   geometry_msgs::Transform message;
-  message.translation.x = transform.translation().x();
-  message.translation.y = transform.translation().y();
-  message.translation.z = transform.translation().z();
+  message.translation = to_vector(transform.translation());
   message.rotation = to_quaternion(transform.linear());
   return message;
 }

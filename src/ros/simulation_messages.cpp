@@ -24,11 +24,13 @@ constexpr float kOpacity = 0.35F;
 constexpr double kWallWidth = 0.03;  // m
 
 template <class Array>
-void set_variances(Array* covariance) {
-  constexpr std::array<double, 6> kVariances = {kPlaneVariance, kPlaneVariance, kNotMeasured,
-                                                kNotMeasured,   kNotMeasured,   kHeadingVariance};
-  for (std::size_t i = 0; i < kVariances.size(); ++i)
-    (*covariance)[i * (kVariances.size() + 1)] = kVariances[i];
+void set_variances(bool spatial, Array* covariance) {
+  const double height = spatial ? kPlaneVariance : kNotMeasured;
+  const double tilt = spatial ? kHeadingVariance : kNotMeasured;
+  const std::array<double, 6> variances = {kPlaneVariance, kPlaneVariance, height,
+                                           tilt,           tilt,           kHeadingVariance};
+  for (std::size_t i = 0; i < variances.size(); ++i)
+    (*covariance)[i * (variances.size() + 1)] = variances[i];
 }
 
 geometry_msgs::TransformStamped mounting(const Eigen::Isometry3d& base_from_sensor, const char* sensor_frame,
@@ -53,29 +55,33 @@ LandmarkDetection to_message(const Sighting& sighting) {
   return message;
 }
 
-visualization_msgs::Marker wall_marker(const Eigen::Vector2d& room_size, const Se2& start_from_world) {
+/// Where the walls meet the floor, or a plane above it.
+visualization_msgs::Marker wall_marker(const Eigen::Vector3d& room_size, double height, int id,
+                                       const Eigen::Isometry3d& start_from_world) {
   visualization_msgs::Marker marker;
   marker.ns = "true_walls";
+  marker.id = id;
   marker.type = visualization_msgs::Marker::LINE_STRIP;
   marker.scale.x = kWallWidth;
   marker.color = label_color("");
   marker.pose.orientation.w = 1.0;
   for (const auto& [x, y] : {std::pair(0.0, 0.0), {1.0, 0.0}, {1.0, 1.0}, {0.0, 1.0}, {0.0, 0.0}}) {
-    const Eigen::Vector2d corner = room_size.cwiseProduct(Eigen::Vector2d(x, y));
-    marker.points.push_back(to_point(Planar::to_3d(Planar::Point(start_from_world * corner))));
+    const Eigen::Vector3d corner(x * room_size.x(), y * room_size.y(), height);
+    marker.points.push_back(to_point(start_from_world * corner));
   }
   return marker;
 }
 
-visualization_msgs::Marker cylinder_marker(const WorldLandmark& landmark, const Se2& start_from_world) {
+visualization_msgs::Marker landmark_marker(const WorldLandmark& landmark, bool spatial,
+                                           const Eigen::Isometry3d& start_from_world) {
   visualization_msgs::Marker marker;
   marker.ns = "true_landmarks";
   marker.id = landmark.id;
-  marker.type = visualization_msgs::Marker::CYLINDER;
-  marker.pose.position = to_point(Planar::to_3d(start_from_world) * landmark.position_in_world);
+  marker.type = spatial ? visualization_msgs::Marker::SPHERE : visualization_msgs::Marker::CYLINDER;
+  marker.pose.position = to_point(start_from_world * landmark.position_in_world);
   marker.pose.orientation.w = 1.0;
-  marker.scale.x = marker.scale.y = 2.0 * landmark.radius;
-  marker.scale.z = kAxisHeightShare * std::max(landmark.position_in_world.z(), landmark.radius);
+  marker.scale.x = marker.scale.y = marker.scale.z = 2.0 * landmark.radius;
+  if (!spatial) marker.scale.z = kAxisHeightShare * std::max(landmark.position_in_world.z(), landmark.radius);
   marker.color = label_color(landmark.label);
   marker.color.a = kOpacity;
   return marker;
@@ -90,11 +96,11 @@ nav_msgs::Odometry SimulationMessages::odometry(const Sample& sample) const {
   message.header.stamp = stamp(sample);
   message.header.frame_id = kOdomFrame;
   message.child_frame_id = kBaseFrame;
-  message.pose.pose = to_pose(Planar::to_3d(sample.odometry->odom_from_base));
-  message.twist.twist.linear.x = sample.odometry->velocity.linear.x();
-  message.twist.twist.angular.z = sample.odometry->velocity.angular.z();
-  set_variances(&message.pose.covariance);
-  set_variances(&message.twist.covariance);
+  message.pose.pose = to_pose(sample.odometry->odom_from_base);
+  message.twist.twist.linear = to_vector(sample.odometry->velocity.linear);
+  message.twist.twist.angular = to_vector(sample.odometry->velocity.angular);
+  set_variances(world_.is_spatial(), &message.pose.covariance);
+  set_variances(world_.is_spatial(), &message.twist.covariance);
   return message;
 }
 
@@ -103,7 +109,7 @@ geometry_msgs::TransformStamped SimulationMessages::odom_from_base(const Sample&
   message.header.stamp = stamp(sample);
   message.header.frame_id = kOdomFrame;
   message.child_frame_id = kBaseFrame;
-  message.transform = to_transform(Planar::to_3d(sample.odometry->odom_from_base));
+  message.transform = to_transform(sample.odometry->odom_from_base);
   return message;
 }
 
@@ -111,9 +117,7 @@ sensor_msgs::Imu SimulationMessages::imu(const Sample& sample) const {
   sensor_msgs::Imu message;
   message.header.stamp = stamp(sample);
   message.header.frame_id = kImuFrame;
-  message.angular_velocity.x = sample.gyro_rate_in_imu->x();
-  message.angular_velocity.y = sample.gyro_rate_in_imu->y();
-  message.angular_velocity.z = sample.gyro_rate_in_imu->z();
+  message.angular_velocity = to_vector(*sample.gyro_rate_in_imu);
   const double variance = world_.gyro.noise * world_.gyro.noise;
   for (const std::size_t i : {0U, 4U, 8U}) message.angular_velocity_covariance[i] = variance;
   message.orientation.w = 1.0;
@@ -134,7 +138,7 @@ geometry_msgs::PoseStamped SimulationMessages::true_pose(const Sample& sample) c
   geometry_msgs::PoseStamped message;
   message.header.stamp = stamp(sample);
   message.header.frame_id = kMapFrame;
-  message.pose = to_pose(Planar::to_3d(sample.world_from_base));
+  message.pose = to_pose(sample.world_from_base);
   return message;
 }
 
@@ -161,11 +165,14 @@ std::vector<geometry_msgs::TransformStamped> SimulationMessages::mountings() con
 }
 
 visualization_msgs::MarkerArray SimulationMessages::markers() const {
-  const Se2 start_from_world = world_.drive.world_from_start.inverse();
+  const Eigen::Isometry3d start_from_world = world_.drive.world_from_start.to_3d().inverse();
   visualization_msgs::MarkerArray array;
-  array.markers.push_back(wall_marker(world_.room_size, start_from_world));
+  array.markers.push_back(wall_marker(world_.room_size, 0.0, 0, start_from_world));
+  if (world_.is_spatial()) {
+    array.markers.push_back(wall_marker(world_.room_size, world_.room_size.z(), 1, start_from_world));
+  }
   for (const WorldLandmark& landmark : world_.landmarks) {
-    array.markers.push_back(cylinder_marker(landmark, start_from_world));
+    array.markers.push_back(landmark_marker(landmark, world_.is_spatial(), start_from_world));
   }
   for (visualization_msgs::Marker& marker : array.markers) {
     marker.header.frame_id = kMapFrame;

@@ -91,13 +91,14 @@ TimeNs SimulatorNode::due() const {
 }
 
 void SimulatorNode::on_command(const geometry_msgs::Twist& command) {
-  if (!std::isfinite(command.linear.x) || !std::isfinite(command.angular.z)) {
+  const Eigen::Vector3d rates = to_eigen(command.angular);
+  if (!std::isfinite(command.linear.x) || !rates.allFinite()) {
     ROS_WARN_THROTTLE(5.0, "%s: command refused, it is not finite", simulation_topics::kCommand);
     return;
   }
   BodyVelocity velocity;
   velocity.linear.x() = command.linear.x;
-  velocity.angular.z() = command.angular.z;
+  velocity.angular = rates;
   simulator_.set_command(velocity);
   last_command_ = next_.stamp;
 }

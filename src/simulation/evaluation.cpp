@@ -1,5 +1,7 @@
 #include "kinect_ekf_slam/simulation/evaluation.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -8,65 +10,66 @@ namespace {
 
 constexpr int kMostRounds = 20;  // of matching and alignment; two or three are usual
 
+template <class Space>
 struct Pairs {
-  Points2d truth;
-  Points2d estimate;
+  Points<Space> truth;
+  Points<Space> estimate;
 };
 
-Eigen::Vector2d mean(const Points2d& points) {
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  for (const Eigen::Vector2d& point : points) sum += point;
-  return sum / static_cast<double>(points.size());
-}
-
-std::size_t nearest(const Points2d& points, const Eigen::Vector2d& place) {
-  const auto closer = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+template <class Space>
+std::size_t nearest(const Points<Space>& points, const typename Space::Point& place) {
+  const auto closer = [&](const auto& a, const auto& b) {
     return (a - place).squaredNorm() < (b - place).squaredNorm();
   };
   return static_cast<std::size_t>(std::min_element(points.begin(), points.end(), closer) - points.begin());
 }
 
 /// The mutual nearest neighbours, the estimate moved by `truth_from_estimate`.
-Pairs match(const Points2d& truth, const Points2d& estimate, const Se2& truth_from_estimate,
-            double largest_distance) {
-  Pairs pairs;
-  Points2d moved;
-  for (const Eigen::Vector2d& point : estimate) moved.push_back(truth_from_estimate * point);
+template <class Space>
+Pairs<Space> match(const Points<Space>& truth, const Points<Space>& estimate,
+                   const typename Space::Pose& truth_from_estimate, double largest_distance) {
+  Pairs<Space> pairs;
+  Points<Space> moved;
+  for (const auto& point : estimate) moved.push_back(truth_from_estimate * point);
   for (std::size_t i = 0; i < truth.size() && !moved.empty(); ++i) {
-    const std::size_t k = nearest(moved, truth[i]);
-    if ((moved[k] - truth[i]).norm() > largest_distance || nearest(truth, moved[k]) != i) continue;
+    const std::size_t k = nearest<Space>(moved, truth[i]);
+    if ((moved[k] - truth[i]).norm() > largest_distance || nearest<Space>(truth, moved[k]) != i) continue;
     pairs.truth.push_back(truth[i]);
     pairs.estimate.push_back(estimate[k]);
   }
   return pairs;
 }
 
-}  // namespace
-
-Se2 align(const Points2d& target, const Points2d& source) {
-  if (source.empty()) return {};
-  const Eigen::Vector2d target_mean = mean(target);
-  const Eigen::Vector2d source_mean = mean(source);
-  double sine = 0.0;
-  double cosine = 0.0;
-  for (std::size_t i = 0; i < source.size(); ++i) {
-    const Eigen::Vector2d a = source[i] - source_mean;
-    const Eigen::Vector2d b = target[i] - target_mean;
-    cosine += a.dot(b);
-    sine += a.x() * b.y() - a.y() * b.x();
-  }
-  const Se2 turn(0.0, 0.0, std::atan2(sine, cosine));
-  return {target_mean - turn * source_mean, turn.angle()};
+/// The points as columns.
+template <class Space>
+Eigen::Map<const Eigen::MatrixXd> columns(const Points<Space>& points) {
+  return {points.front().data(), Space::kPointDim, static_cast<Eigen::Index>(points.size())};
 }
 
-MapComparison compare_maps(const Points2d& truth, const Points2d& estimate, double largest_distance) {
-  Pairs pairs = match(truth, estimate, Se2(), largest_distance);
-  Se2 motion = align(pairs.truth, pairs.estimate);
+}  // namespace
+
+template <class Space>
+typename Space::Pose align(const Points<Space>& target, const Points<Space>& source) {
+  if (source.empty()) return {};
+  constexpr int kDim = Space::kPointDim;
+  const Eigen::MatrixXd motion = Eigen::umeyama(columns<Space>(source), columns<Space>(target), false);
+  Eigen::Isometry3d in_space = Eigen::Isometry3d::Identity();
+  in_space.linear().topLeftCorner<kDim, kDim>() = motion.topLeftCorner<kDim, kDim>();
+  in_space.translation().head<kDim>() = motion.topRightCorner<kDim, 1>();
+  return Space::pose_from_3d(in_space);
+}
+
+template <class Space>
+MapComparison compare_maps(const Points<Space>& truth, const Points<Space>& estimate,
+                           double largest_distance) {
+  using Pose = typename Space::Pose;
+  Pairs<Space> pairs = match<Space>(truth, estimate, Pose(), largest_distance);
+  Pose motion = align<Space>(pairs.truth, pairs.estimate);
   for (int round = 0; round < kMostRounds; ++round) {
-    Pairs again = match(truth, estimate, motion, largest_distance);
+    Pairs<Space> again = match<Space>(truth, estimate, motion, largest_distance);
     const bool settled = again.truth == pairs.truth && again.estimate == pairs.estimate;
     pairs = std::move(again);
-    motion = align(pairs.truth, pairs.estimate);
+    motion = align<Space>(pairs.truth, pairs.estimate);
     if (settled) break;
   }
   MapComparison comparison;
@@ -87,5 +90,10 @@ MapComparison compare_maps(const Points2d& truth, const Points2d& estimate, doub
   if (pairs.truth.empty()) comparison.max_aligned = std::nan("");
   return comparison;
 }
+
+template Se2 align<Planar>(const Points<Planar>&, const Points<Planar>&);
+template Se3 align<Spatial>(const Points<Spatial>&, const Points<Spatial>&);
+template MapComparison compare_maps<Planar>(const Points<Planar>&, const Points<Planar>&, double);
+template MapComparison compare_maps<Spatial>(const Points<Spatial>&, const Points<Spatial>&, double);
 
 }  // namespace kinect_ekf_slam

@@ -24,6 +24,16 @@ double approach(double present, double wanted, double largest_change) {
   return present + std::clamp(wanted - present, -largest_change, largest_change);
 }
 
+BodyVelocity scaled(const BodyVelocity& velocity, double factor) {
+  return {factor * velocity.linear, factor * velocity.angular, {}};
+}
+
+/// Half the width and height of the view at a depth of 1 m.
+Eigen::Vector2d view_edge(const KinectOptions& sensor) {
+  return {std::tan(0.5 * radians(sensor.field_of_view_deg)),
+          std::tan(0.5 * radians(sensor.vertical_field_of_view_deg))};
+}
+
 std::vector<std::string> labels_of(const std::vector<WorldLandmark>& landmarks) {
   std::vector<std::string> labels;
   labels.reserve(landmarks.size());
@@ -67,7 +77,8 @@ Simulator::Simulator(const World& world, std::uint64_t seed)
       odometry_ticker_{world.wheels.rate},
       gyro_ticker_{world.gyro.rate},
       sensor_ticker_{world.sensor.rate},
-      world_from_base_(world.drive.world_from_start) {
+      world_from_base_(world.drive.world_from_start),
+      odom_from_base_(world.is_spatial() ? RobotPose(Se3()) : RobotPose(Se2())) {
   for (double& scale : wheel_scale_) scale = 1.0 + world.wheels.scale_sigma * wheel_random_.normal();
   gyro_scale_ = Eigen::Vector3d::Ones() + world.gyro.scale_sigma * normal_vector(gyro_random_);
   gyro_bias_in_imu_ = world.gyro.bias_sigma * normal_vector(gyro_random_);
@@ -77,11 +88,11 @@ Sample Simulator::next() {
   advance(std::min({odometry_ticker_.due(), gyro_ticker_.due(), sensor_ticker_.due()}));
   Sample sample;
   sample.stamp = now_;
-  sample.world_from_base = world_from_base_;
+  sample.world_from_base = world_from_base_.to_3d();
   if (gyro_ticker_.take(now_)) sample.gyro_rate_in_imu = read_gyro();
   if (sensor_ticker_.take(now_)) sample.sightings = look();
   if (odometry_ticker_.take(now_)) {
-    sample.odometry = read_wheels();
+    sample.odometry = read_odometry();
     choose_velocity();
   }
   return sample;
@@ -92,12 +103,12 @@ bool Simulator::finished() const {
 }
 
 void Simulator::advance(TimeNs stamp) {
-  const double dt = to_seconds(stamp - now_);
-  const double forward = velocity_.linear.x() * dt;
-  const double turn = velocity_.angular.z() * dt;
-  world_from_base_ = world_from_base_ * Se2::exp({forward, 0.0, turn});
-  const double difference = 0.5 * world_.wheels.separation * turn;
+  const BodyVelocity way = scaled(velocity_, to_seconds(stamp - now_));
+  world_from_base_.move(way);
+  const double forward = way.linear.x();
+  const double difference = 0.5 * world_.wheels.separation * way.angular.z();
   travel_ += Eigen::Vector2d(forward - difference, forward + difference);
+  tilt_ += way.angular.head<2>();
   now_ = stamp;
 }
 
@@ -105,27 +116,39 @@ void Simulator::advance(TimeNs stamp) {
 void Simulator::choose_velocity() {
   const DriveOptions& drive = world_.drive;
   const double period = 1.0 / world_.wheels.rate;
-  const BodyVelocity wanted = command_ ? *command_ : driver_.command(now_, world_from_base_);
+  const BodyVelocity wanted = command_ ? *command_ : driver_.command(now_, world_from_base_.to_3d());
   const double speed = std::clamp(wanted.linear.x(), -drive.max_speed, drive.max_speed);
-  const double rate = std::clamp(wanted.angular.z(), -drive.max_turn_rate, drive.max_turn_rate);
   velocity_.linear.x() = approach(velocity_.linear.x(), speed, drive.max_acceleration * period);
-  velocity_.angular.z() = approach(velocity_.angular.z(), rate, drive.max_turn_acceleration * period);
-  const Eigen::Vector3d step(velocity_.linear.x() * period, 0.0, velocity_.angular.z() * period);
-  if (!is_free(world_from_base_ * Se2::exp(step))) velocity_.linear.x() = 0.0;
+  for (int axis = world_.is_spatial() ? 0 : 2; axis < 3; ++axis) {
+    const double rate = std::clamp(wanted.angular(axis), -drive.max_turn_rate, drive.max_turn_rate);
+    velocity_.angular(axis) = approach(velocity_.angular(axis), rate, drive.max_turn_acceleration * period);
+  }
+  RobotPose next = world_from_base_;
+  next.move(scaled(velocity_, period));
+  if (!is_free(next.to_3d().translation())) velocity_.linear.x() = 0.0;
 }
 
-bool Simulator::is_free(const Se2& world_from_base) const {
-  const Eigen::Vector2d& position = world_from_base.translation();
+bool Simulator::is_free(const Eigen::Vector3d& position_in_world) const {
   const double radius = world_.drive.robot_radius;
-  if ((position.array() < radius).any() || (position.array() > world_.room_size.array() - radius).any()) {
+  const int axes = world_.is_spatial() ? 3 : 2;
+  const auto position = position_in_world.head(axes).array();
+  if ((position < radius).any() || (position > world_.room_size.head(axes).array() - radius).any()) {
     return false;
   }
   return std::none_of(world_.landmarks.begin(), world_.landmarks.end(), [&](const WorldLandmark& landmark) {
-    return (landmark.position_in_world.head<2>() - position).norm() < radius + landmark.radius;
+    return from_landmark(landmark, position_in_world).norm() < radius + landmark.radius;
   });
 }
 
-WheelOdometry Simulator::read_wheels() {
+/// From the centre of a ball; from the axis of a cylinder, which stands through all heights.
+Eigen::Vector3d Simulator::from_landmark(const WorldLandmark& landmark,
+                                         const Eigen::Vector3d& position_in_world) const {
+  Eigen::Vector3d offset = position_in_world - landmark.position_in_world;
+  if (!world_.is_spatial()) offset.z() = 0.0;
+  return offset;
+}
+
+Odometry Simulator::read_odometry() {
   const double dt = to_seconds(now_ - last_odometry_);
   const bool moved = !travel_.isZero(0.0);
   if (moved && now_ >= slip_end_ && wheel_random_.chance(world_.wheels.slips_per_minute * dt / kMinute)) {
@@ -134,16 +157,19 @@ WheelOdometry Simulator::read_wheels() {
   }
   const double left = read_wheel(0, travel_(0));
   const double right = read_wheel(1, travel_(1));
-  travel_.setZero();
-  last_odometry_ = now_;
-
-  const Eigen::Vector3d step(0.5 * (left + right), 0.0, (right - left) / world_.wheels.separation);
-  odom_from_base_ = odom_from_base_ * Se2::exp(step);
-  WheelOdometry odometry{odom_from_base_, {}};
-  if (dt > 0.0) {
-    odometry.velocity.linear.x() = step.x() / dt;
-    odometry.velocity.angular.z() = step.z() / dt;
+  BodyVelocity way;
+  way.linear.x() = 0.5 * (left + right);
+  way.angular.z() = (right - left) / world_.wheels.separation;
+  if (world_.is_spatial()) {
+    way.angular.x() = read_tilt(tilt_(0));
+    way.angular.y() = read_tilt(tilt_(1));
   }
+  travel_.setZero();
+  tilt_.setZero();
+  last_odometry_ = now_;
+  odom_from_base_.move(way);
+  Odometry odometry{odom_from_base_.to_3d(), {}};
+  if (dt > 0.0) odometry.velocity = {way.linear / dt, way.angular / dt, {}};
   return odometry;
 }
 
@@ -151,6 +177,13 @@ double Simulator::read_wheel(int wheel, double travel) {
   const double slip = now_ < slip_end_ && wheel == slipping_wheel_ ? world_.wheels.slip_share : 0.0;
   const double noise = world_.wheels.noise * std::sqrt(std::abs(travel)) * wheel_random_.normal();
   return wheel_scale_(wheel) * (1.0 + slip) * travel + noise;
+}
+
+/// The noise of a turn that two wheels read, for their way and for that of the tilt itself.
+double Simulator::read_tilt(double tilt) {
+  const double separation = world_.wheels.separation;
+  const double way = travel_.cwiseAbs().sum() + separation * std::abs(tilt);
+  return tilt + world_.wheels.noise * std::sqrt(way) / separation * wheel_random_.normal();
 }
 
 Eigen::Vector3d Simulator::read_gyro() {
@@ -164,7 +197,7 @@ Eigen::Vector3d Simulator::read_gyro() {
 
 std::vector<Sighting> Simulator::look() {
   const Eigen::Isometry3d world_from_optical =
-      Planar::to_3d(world_from_base_) * world_.sensor.base_from_optical;
+      world_from_base_.to_3d() * world_.sensor.base_from_optical;
   std::vector<Sighting> sightings;
   for (const WorldLandmark& landmark : world_.landmarks) {
     if (auto sighting = see(landmark, world_from_optical)) sightings.push_back(std::move(*sighting));
@@ -179,9 +212,10 @@ std::optional<Sighting> Simulator::see(const WorldLandmark& landmark,
                                        const Eigen::Isometry3d& world_from_optical) {
   const KinectOptions& sensor = world_.sensor;
   const Eigen::Vector3d position = world_from_optical.inverse() * landmark.position_in_world;
-  const double edge = std::tan(0.5 * radians(sensor.field_of_view_deg));
+  const Eigen::Vector2d edge = view_edge(sensor);
   const bool in_view = position.z() >= sensor.min_depth && position.z() <= sensor.max_depth &&
-                       std::abs(position.x()) <= edge * position.z();
+                       std::abs(position.x()) <= edge.x() * position.z() &&
+                       std::abs(position.y()) <= edge.y() * position.z();
   if (!in_view || is_hidden(landmark, world_from_optical.translation())) return std::nullopt;
   if (sensor_random_.chance(sensor.miss_rate)) return std::nullopt;
 
@@ -203,26 +237,27 @@ std::optional<Sighting> Simulator::see(const WorldLandmark& landmark,
   return sighting;
 }
 
-/// True when the line of sight to the landmark's axis goes through another cylinder.
+/// True when the line of sight to the landmark's axis or centre goes through another one.
 bool Simulator::is_hidden(const WorldLandmark& landmark, const Eigen::Vector3d& sensor_in_world) const {
-  const Eigen::Vector2d origin = sensor_in_world.head<2>();
-  const Eigen::Vector2d sight = landmark.position_in_world.head<2>() - origin;
+  const Eigen::Vector3d sight = -from_landmark(landmark, sensor_in_world);
   const double distance = sight.norm();
   return std::any_of(world_.landmarks.begin(), world_.landmarks.end(), [&](const WorldLandmark& other) {
-    const Eigen::Vector2d to_other = other.position_in_world.head<2>() - origin;
+    const Eigen::Vector3d to_other = -from_landmark(other, sensor_in_world);
     const double along = sight.dot(to_other) / distance;
-    const double aside = sight.dot(quarter_turn() * to_other) / distance;
-    return other.id != landmark.id && along > 0.0 && along < distance && std::abs(aside) < other.radius;
+    const double aside = sight.cross(to_other).norm() / distance;
+    return other.id != landmark.id && along > 0.0 && along < distance && aside < other.radius;
   });
 }
 
 /// A detection of what is not there, anywhere in view.
 Sighting Simulator::imagine() {
   const KinectOptions& sensor = world_.sensor;
-  const double edge = std::tan(0.5 * radians(sensor.field_of_view_deg));
+  const Eigen::Vector2d edge = view_edge(sensor);
   Sighting sighting;
   const double depth = sensor_random_.uniform(sensor.min_depth, sensor.max_depth);
-  sighting.position_in_optical = Eigen::Vector3d(depth * sensor_random_.uniform(-edge, edge), 0.0, depth);
+  const double right = depth * sensor_random_.uniform(-edge.x(), edge.x());
+  const double down = world_.is_spatial() ? depth * sensor_random_.uniform(-edge.y(), edge.y()) : 0.0;
+  sighting.position_in_optical = Eigen::Vector3d(right, down, depth);
   if (sensor.reports_covariance) {
     sighting.covariance_in_optical =
         sensor.noise_scale * sensor.noise_scale * report_covariance(sighting.position_in_optical);

@@ -31,6 +31,15 @@ std::string text_of(double value) {
   return text.str();
 }
 
+/// Between what a point may lie. On the floor it has two coordinates, and its height is zero.
+struct Bounds {
+  bool spatial;
+  Eigen::Vector3d low;
+  Eigen::Vector3d high;
+  std::size_t axes() const { return spatial ? 3 : 2; }
+  std::string form() const { return spatial ? "[x, y, z] in m" : "[x, y] in m"; }
+};
+
 /// One map of the file. Remembers what was asked for, so that what nobody asked for can be refused.
 class Section {
  public:
@@ -81,19 +90,27 @@ class Section {
     if (!node.IsScalar() || node.Scalar().empty()) fail(name(key), node, "text, not empty");
     *value = node.Scalar();
   }
-  Eigen::Vector2d required_point(const std::string& key, const Eigen::Vector2d& low,
-                                 const Eigen::Vector2d& high) {
-    const YAML::Node node = required(key, "[x, y] in m");
-    return point(name(key), node, low, high);
+  /// The first of the names when the key is not there.
+  std::string choice(const std::string& key, const std::vector<std::string>& names) {
+    const YAML::Node node = find(key);
+    if (!node) return names.front();
+    std::string allowed;
+    for (const std::string& candidate : names) {
+      if (node.IsScalar() && node.Scalar() == candidate) return candidate;
+      allowed += (allowed.empty() ? "" : ", ") + candidate;
+    }
+    fail(name(key), node, allowed);
   }
-  std::vector<Eigen::Vector2d> points(const std::string& key, const Eigen::Vector2d& low,
-                                      const Eigen::Vector2d& high) {
-    std::vector<Eigen::Vector2d> found;
+  Eigen::Vector3d required_point(const std::string& key, const Bounds& bounds) {
+    return point(name(key), required(key, bounds.form()), bounds);
+  }
+  std::vector<Eigen::Vector3d> points(const std::string& key, const Bounds& bounds) {
+    std::vector<Eigen::Vector3d> found;
     const YAML::Node node = find(key);
     if (!node) return found;
-    if (!node.IsSequence()) fail(name(key), node, "a list of [x, y] in m");
+    if (!node.IsSequence()) fail(name(key), node, "a list of " + bounds.form());
     for (std::size_t i = 0; i < node.size(); ++i) {
-      found.push_back(point(name(key) + "[" + std::to_string(i) + "]", node[i], low, high));
+      found.push_back(point(name(key) + "[" + std::to_string(i) + "]", node[i], bounds));
     }
     return found;
   }
@@ -105,10 +122,8 @@ class Section {
     mount.refuse_unknown();
     Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
     transform.translation() = xyz;
-    transform.linear() = (Eigen::AngleAxisd(radians(rpy_deg.z()), Eigen::Vector3d::UnitZ()) *
-                          Eigen::AngleAxisd(radians(rpy_deg.y()), Eigen::Vector3d::UnitY()) *
-                          Eigen::AngleAxisd(radians(rpy_deg.x()), Eigen::Vector3d::UnitX()))
-                             .toRotationMatrix();
+    transform.linear() =
+        rotation_from_rpy({radians(rpy_deg.x()), radians(rpy_deg.y()), radians(rpy_deg.z())});
     return transform;
   }
 
@@ -165,11 +180,15 @@ class Section {
     return value;
   }
 
-  Eigen::Vector2d point(const std::string& key, const YAML::Node& node, const Eigen::Vector2d& low,
-                        const Eigen::Vector2d& high) const {
-    if (!node.IsSequence() || node.size() != 2) fail(key, node, "[x, y] in m");
-    return {in_range(key + "[0]", node[0], low.x(), high.x()),
-            in_range(key + "[1]", node[1], low.y(), high.y())};
+  Eigen::Vector3d point(const std::string& key, const YAML::Node& node, const Bounds& bounds) const {
+    if (!node.IsSequence() || node.size() != bounds.axes()) fail(key, node, bounds.form());
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < bounds.axes(); ++i) {
+      const auto axis = static_cast<Eigen::Index>(i);
+      const std::string entry = key + "[" + std::to_string(i) + "]";
+      point(axis) = in_range(entry, node[i], bounds.low(axis), bounds.high(axis));
+    }
+    return point;
   }
 
   Eigen::Vector3d triple(const std::string& key, double limit) {
@@ -188,7 +207,8 @@ class Section {
   std::set<std::string> known_;
 };
 
-void read_landmarks(Section& root, World* world) {
+void read_landmarks(Section& root, bool spatial, World* world) {
+  constexpr double kTallest = 10.0;  // m
   std::set<int> ids;
   for (Section& item : root.list("landmarks", "a list of {id, label, x, y, z, radius}")) {
     WorldLandmark landmark;
@@ -197,7 +217,7 @@ void read_landmarks(Section& root, World* world) {
     item.required_text("label", &landmark.label);
     item.required_number("x", 0.0, world->room_size.x(), &position.x());
     item.required_number("y", 0.0, world->room_size.y(), &position.y());
-    item.required_number("z", 0.0, 10.0, &position.z());
+    item.required_number("z", 0.0, spatial ? world->room_size.z() : kTallest, &position.z());
     item.required_number("radius", 0.001, 10.0, &landmark.radius);
     item.refuse_unknown();
     if (!ids.insert(landmark.id).second) {
@@ -207,19 +227,30 @@ void read_landmarks(Section& root, World* world) {
   }
 }
 
-void read_drive(Section drive, const Eigen::Vector2d& room_size, DriveOptions* o) {
-  drive.number("robot_radius", 0.0, 0.4 * room_size.minCoeff(), &o->robot_radius);
-  const Eigen::Vector2d low = Eigen::Vector2d::Constant(o->robot_radius);
-  const Eigen::Vector2d high = room_size - low;
-  Section start = drive.section("start");
-  Eigen::Vector2d position;
-  double yaw_deg = 0.0;
-  start.required_number("x", low.x(), high.x(), &position.x());
-  start.required_number("y", low.y(), high.y(), &position.y());
-  start.required_number("yaw_deg", -360.0, 360.0, &yaw_deg);
+RobotPose read_start(Section start, const Bounds& bounds) {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rpy_deg = Eigen::Vector3d::Zero();
+  start.required_number("x", bounds.low.x(), bounds.high.x(), &position.x());
+  start.required_number("y", bounds.low.y(), bounds.high.y(), &position.y());
+  if (bounds.spatial) {
+    start.required_number("z", bounds.low.z(), bounds.high.z(), &position.z());
+    start.number("roll_deg", -360.0, 360.0, &rpy_deg.x());
+    start.number("pitch_deg", -360.0, 360.0, &rpy_deg.y());
+  }
+  start.required_number("yaw_deg", -360.0, 360.0, &rpy_deg.z());
   start.refuse_unknown();
-  o->world_from_start = Se2(position, radians(yaw_deg));
-  o->waypoints_in_world = drive.points("waypoints", low, high);
+  if (!bounds.spatial) return Se2(position.x(), position.y(), radians(rpy_deg.z()));
+  const Eigen::Matrix3d rotation =
+      rotation_from_rpy({radians(rpy_deg.x()), radians(rpy_deg.y()), radians(rpy_deg.z())});
+  return Se3(position, Eigen::Quaterniond(rotation));
+}
+
+void read_drive(Section drive, bool spatial, const Eigen::Vector3d& room_size, DriveOptions* o) {
+  drive.number("robot_radius", 0.0, 0.4 * room_size.head(spatial ? 3 : 2).minCoeff(), &o->robot_radius);
+  const Eigen::Vector3d low = Eigen::Vector3d::Constant(o->robot_radius);
+  const Bounds free{spatial, low, room_size - low};
+  o->world_from_start = read_start(drive.section("start"), free);
+  o->waypoints_in_world = drive.points("waypoints", free);
   drive.integer("loops", 1, kLargestCount, &o->loops);
   drive.number("standing_time", 0.0, 3600.0, &o->standing_time);
   drive.number("max_speed", 0.001, 10.0, &o->max_speed);
@@ -253,6 +284,7 @@ void read_gyro(Section gyro, GyroOptions* o) {
 void read_sensor(Section sensor, KinectOptions* o) {
   sensor.number("rate", 0.1, 1000.0, &o->rate);
   sensor.number("field_of_view_deg", 1.0, 179.0, &o->field_of_view_deg);
+  sensor.number("vertical_field_of_view_deg", 1.0, 179.0, &o->vertical_field_of_view_deg);
   sensor.number("min_depth", 0.0, 100.0, &o->min_depth);
   sensor.number("max_depth", o->min_depth, 100.0, &o->max_depth);
   sensor.number("noise_scale", 0.0, 100.0, &o->noise_scale);
@@ -271,12 +303,13 @@ void read_sensor(Section sensor, KinectOptions* o) {
 World read(const YAML::Node& yaml, const std::string& file) {
   Section root(yaml, file, "");
   World world;
+  const bool spatial = root.choice("space", {Planar::kName, Spatial::kName}) == Spatial::kName;
   Section room = root.section("room");
-  world.room_size =
-      room.required_point("size", Eigen::Vector2d::Constant(0.5), Eigen::Vector2d::Constant(kLargestRoom));
+  world.room_size = room.required_point(
+      "size", {spatial, Eigen::Vector3d::Constant(0.5), Eigen::Vector3d::Constant(kLargestRoom)});
   room.refuse_unknown();
-  read_landmarks(root, &world);
-  read_drive(root.section("drive"), world.room_size, &world.drive);
+  read_landmarks(root, spatial, &world);
+  read_drive(root.section("drive"), spatial, world.room_size, &world.drive);
   read_wheels(root.section("wheels"), &world.wheels);
   read_gyro(root.section("gyro"), &world.gyro);
   read_sensor(root.section("sensor"), &world.sensor);

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/pipeline/slam_pipeline.h"
 #include "kinect_ekf_slam/study/monte_carlo.h"
 #include "kinect_ekf_slam/study/text.h"
@@ -13,56 +12,50 @@
 namespace kinect_ekf_slam {
 namespace {
 
-constexpr int kPoseDof = Planar::kPoseDim;
-
-/// e^T P^-1 e of the pose in the plane.
-double pose_nees(const Pose3d& estimate, const Se2& truth) {
-  const Se2 pose = Planar::pose_from_3d(estimate.map_from_base);
-  Eigen::Vector3d error;
-  error << pose.translation() - truth.translation(), wrap_angle(pose.angle() - truth.angle());
-  Eigen::Matrix3d covariance;
-  for (int i = 0; i < kPoseDof; ++i) {
-    for (int j = 0; j < kPoseDof; ++j) {
-      covariance(i, j) = estimate.covariance(Planar::kPoseAxes[i], Planar::kPoseAxes[j]);
-    }
-  }
-  return error.dot(covariance.ldlt().solve(error));
+/// e^T P^-1 e of the pose, the error as the estimators mean it.
+template <class Space>
+double pose_nees(const Pose3d& estimate, const typename Space::Pose& truth) {
+  const PoseEstimate<Space> pose = to_estimate<Space>(estimate);
+  const typename Space::PoseVector error = pose_error<Space>(truth, pose.map_from_base);
+  return error.dot(pose.covariance.ldlt().solve(error));
 }
 
+template <class Space>
 MapComparison compare(const World& world, const std::vector<Landmark3d>& map) {
-  const Se2 start_from_world = world.drive.world_from_start.inverse();
-  Points2d truth;
-  Points2d estimate;
+  const Eigen::Isometry3d start_from_world = world.drive.world_from_start.to_3d().inverse();
+  Points<Space> truth;
+  Points<Space> estimate;
   for (const WorldLandmark& landmark : world.landmarks) {
-    truth.push_back(start_from_world * Eigen::Vector2d(landmark.position_in_world.head<2>()));
+    truth.push_back(Space::from_3d(start_from_world * landmark.position_in_world));
   }
-  for (const Landmark3d& landmark : map) estimate.emplace_back(landmark.position_in_map.head<2>());
-  return compare_maps(truth, estimate);
+  for (const Landmark3d& landmark : map) estimate.push_back(Space::from_3d(landmark.position_in_map));
+  return compare_maps<Space>(truth, estimate);
 }
 
+template <class Space>
 RoomRun run_room(const RoomStudy& study, std::uint64_t seed) {
   Simulator simulator(study.world, seed);
   const auto pipeline = make_pipeline(study.pipeline);
-  const Se2 start_from_world = study.world.drive.world_from_start.inverse();
+  const Eigen::Isometry3d start_from_world = study.world.drive.world_from_start.to_3d().inverse();
   RoomRun run;
   run.seed = seed;
+  run.pose_dof = Space::kPoseDim;
   double squared_errors = 0.0;
   while (!simulator.finished()) {
     const Sample sample = simulator.next();
     const SlamResult result = pipeline->process(to_sensor_frame(sample, study.world));
     run.seconds = to_seconds(sample.stamp);
     if (!result.looked || run.seconds <= study.world.drive.standing_time) continue;
-    const Se2 start_from_base = start_from_world * sample.world_from_base;
-    squared_errors +=
-        (Planar::pose_from_3d(result.pose.map_from_base).translation() - start_from_base.translation())
-            .squaredNorm();
-    run.nees.push_back(pose_nees(result.pose, start_from_base));
+    const typename Space::Pose truth = Space::pose_from_3d(start_from_world * sample.world_from_base);
+    const typename Space::Pose estimate = Space::pose_from_3d(result.pose.map_from_base);
+    squared_errors += (estimate.translation() - truth.translation()).squaredNorm();
+    run.nees.push_back(pose_nees<Space>(result.pose, truth));
     run.nees_mean += run.nees.back();
   }
   const auto count = static_cast<double>(run.nees.size());
   run.path_rmse = std::sqrt(squared_errors / count);
   run.nees_mean /= count;
-  run.map = compare(study.world, pipeline->map());
+  run.map = compare<Space>(study.world, pipeline->map());
   return run;
 }
 
@@ -105,10 +98,11 @@ SensorFrame to_sensor_frame(const Sample& sample, const World& world) {
 }
 
 std::vector<RoomRun> run_study(const RoomStudy& study) {
+  const bool spatial = study.pipeline.space == SpaceType::kSpatial;
+  const auto run = spatial ? run_room<Spatial> : run_room<Planar>;
   std::vector<RoomRun> runs(static_cast<std::size_t>(study.seeds));
   for_each_run(
-      runs.size(), [&](std::size_t i) { runs[i] = run_room(study, study.first_seed + i); },
-      study.on_progress);
+      runs.size(), [&](std::size_t i) { runs[i] = run(study, study.first_seed + i); }, study.on_progress);
   return runs;
 }
 
@@ -128,9 +122,10 @@ RoomSummary summarize(const std::vector<RoomRun>& runs) {
   summary.landmark_rmse_start = spread(runs, [](const RoomRun& run) { return run.map.rmse; });
   summary.path_rmse = spread(runs, [](const RoomRun& run) { return run.path_rmse; });
   summary.nees = spread(runs, [](const RoomRun& run) { return run.nees_mean; });
+  summary.pose_dof = runs.front().pose_dof;
   std::vector<std::vector<double>> nees;
   for (const RoomRun& run : runs) nees.push_back(run.nees);
-  const Consistency honesty = consistency(nees, kPoseDof);
+  const Consistency honesty = consistency(nees, summary.pose_dof);
   summary.nees_low = honesty.low;
   summary.nees_high = honesty.high;
   summary.nees_inside_share = honesty.inside_share;
@@ -146,7 +141,7 @@ std::string to_table(const RoomSummary& s) {
          row("landmark RMSE, aligned (m)", s.landmark_rmse_aligned, 4) +
          row("landmark RMSE, in the start frame (m)", s.landmark_rmse_start, 4) +
          row("path RMSE, in the start frame (m)", s.path_rmse, 4) + row("landmarks missed", s.missed, 2) +
-         row("landmarks too many", s.spurious, 2) + row("pose NEES (3 when consistent)", s.nees, 2) +
+         row("landmarks too many", s.spurious, 2) + row(format("pose NEES (%d when consistent)", s.pose_dof).c_str(), s.nees, 2) +
          format("all %zu landmarks and no other: %.0f %% of the runs\n", s.true_landmarks,
                 100.0 * s.exact_count_share) +
          format(
@@ -163,6 +158,7 @@ std::string to_json(const RoomSummary& s, const std::vector<RoomRun>& runs) {
       ",\n  \"landmark_rmse_m\": " + json(s.landmark_rmse_aligned) +
       ",\n  \"landmark_rmse_start_m\": " + json(s.landmark_rmse_start) +
       ",\n  \"ate_rmse_start_m\": " + json(s.path_rmse) + ",\n  \"pose_nees\": " + json(s.nees) +
+      ",\n  \"pose_dof\": " + std::to_string(s.pose_dof) +
       ",\n  \"pose_nees_bounds\": [" + number(s.nees_low) + ", " + number(s.nees_high) +
       "],\n  \"pose_nees_inside_share\": " + number(s.nees_inside_share) + ",\n  \"seeds\": [\n";
   for (std::size_t i = 0; i < runs.size(); ++i) {

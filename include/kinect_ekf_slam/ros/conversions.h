@@ -31,6 +31,7 @@ Eigen::Vector3d to_eigen(const geometry_msgs::Point& point);
 Eigen::Isometry3d to_eigen(const geometry_msgs::Pose& pose);
 Eigen::Isometry3d to_eigen(const geometry_msgs::Transform& transform);
 
+geometry_msgs::Vector3 to_vector(const Eigen::Vector3d& vector);
 geometry_msgs::Point to_point(const Eigen::Vector3d& point);
 geometry_msgs::Quaternion to_quaternion(const Eigen::Matrix3d& rotation);
 geometry_msgs::Pose to_pose(const Eigen::Isometry3d& pose);

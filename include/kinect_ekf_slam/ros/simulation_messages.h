@@ -50,7 +50,7 @@ class SimulationMessages {
   /// base_footprint to imu_link and to kinect_rgb_optical_frame.
   std::vector<geometry_msgs::TransformStamped> mountings() const;
 
-  /// The true cylinders and walls for RViz, seen from the robot's start: they lie over an estimated map,
+  /// The true landmarks and walls for RViz, seen from the robot's start: they lie over an estimated map,
   /// whose origin that is.
   visualization_msgs::MarkerArray markers() const;
 

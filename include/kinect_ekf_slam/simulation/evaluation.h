@@ -3,15 +3,17 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "kinect_ekf_slam/core/se2.h"
+#include "kinect_ekf_slam/core/space.h"
 
 namespace kinect_ekf_slam {
 
-using Points2d = std::vector<Eigen::Vector2d>;
+template <class Space>
+using Points = std::vector<typename Space::Point>;
 
 /// The motion that brings `source` nearest to `target`, point by point, in the sense of least squares
 /// (Umeyama 1991, without scale). With a single pair there is no turn; with none, no motion.
-Se2 align(const Points2d& target, const Points2d& source);
+template <class Space>
+typename Space::Pose align(const Points<Space>& target, const Points<Space>& source);
 
 /// How a map differs from the truth.
 struct MapComparison {
@@ -29,6 +31,8 @@ struct MapComparison {
 /// Both maps in one frame, up to an error of the estimate's pose. Landmarks match as mutual nearest
 /// neighbours within `largest_distance` (m), again after the alignment by the pairs, until the pairs stay.
 /// The figures are NaN when nothing matches.
-MapComparison compare_maps(const Points2d& truth, const Points2d& estimate, double largest_distance = 0.5);
+template <class Space>
+MapComparison compare_maps(const Points<Space>& truth, const Points<Space>& estimate,
+                           double largest_distance = 0.5);
 
 }  // namespace kinect_ekf_slam

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "kinect_ekf_slam/core/landmark.h"
-#include "kinect_ekf_slam/core/se2.h"
 #include "kinect_ekf_slam/core/space.h"
 #include "kinect_ekf_slam/core/time.h"
 #include "kinect_ekf_slam/core/random_stream.h"
@@ -16,7 +15,7 @@
 
 namespace kinect_ekf_slam {
 
-/// One cylinder as the simulated detector reports it, in the sensor's optical axes.
+/// One landmark as the simulated detector reports it, in the sensor's optical axes.
 struct Sighting {
   Eigen::Vector3d position_in_optical = Eigen::Vector3d::Zero();    ///< m
   Eigen::Matrix3d covariance_in_optical = Eigen::Matrix3d::Zero();  ///< m^2; zero: not reported
@@ -26,17 +25,17 @@ struct Sighting {
   int id = kNoId;  ///< the true landmark; kNoId: there is none, or sensor/reports_identity is off
 };
 
-/// What the wheels say of the robot's way.
-struct WheelOdometry {
-  Se2 odom_from_base;
+/// What the wheels, or what a flying robot has instead, say of its way.
+struct Odometry {
+  Eigen::Isometry3d odom_from_base = Eigen::Isometry3d::Identity();
   BodyVelocity velocity;  ///< mean since the last odometry, in the base's axes
 };
 
 /// What is to be had at one time: the truth, and the readings of the sensors that are due.
 struct Sample {
   TimeNs stamp = 0;  ///< from the start of the run
-  Se2 world_from_base;
-  std::optional<WheelOdometry> odometry;
+  Eigen::Isometry3d world_from_base = Eigen::Isometry3d::Identity();
+  std::optional<Odometry> odometry;
   std::optional<Eigen::Vector3d> gyro_rate_in_imu;  ///< rad/s
   std::optional<std::vector<Sighting>> sightings;   ///< empty: looked, saw nothing
 };
@@ -44,7 +43,7 @@ struct Sample {
 /// The sighting as the estimators take it.
 Detection to_detection(const Sighting& sighting, const Eigen::Isometry3d& base_from_optical);
 
-/// A robot that drives in a world, and its sensors. The same world and seed give the same samples.
+/// A robot that drives or flies in a world, and its sensors. The same world and seed give the same samples.
 class Simulator {
  public:
   Simulator(const World& world, std::uint64_t seed);
@@ -52,8 +51,8 @@ class Simulator {
   /// Goes on to the next time at which a sensor is due. Samples come in the order of their stamps.
   Sample next();
 
-  /// Takes the wheel from the waypoints: the robot strives for this velocity (forward and turning) from now
-  /// on.
+  /// Takes the wheel from the waypoints: the robot strives for this velocity (forward and turning, about all
+  /// axes where it flies) from now on.
   void set_command(const BodyVelocity& velocity) { command_ = velocity; }
 
   /// Stands at the last waypoint. Never so while it is driven by commands.
@@ -72,9 +71,11 @@ class Simulator {
 
   void advance(TimeNs stamp);
   void choose_velocity();
-  bool is_free(const Se2& world_from_base) const;
-  WheelOdometry read_wheels();
+  bool is_free(const Eigen::Vector3d& position_in_world) const;
+  Eigen::Vector3d from_landmark(const WorldLandmark& landmark, const Eigen::Vector3d& position_in_world) const;
+  Odometry read_odometry();
   double read_wheel(int wheel, double travel);
+  double read_tilt(double tilt);
   Eigen::Vector3d read_gyro();
   std::vector<Sighting> look();
   std::optional<Sighting> see(const WorldLandmark& landmark, const Eigen::Isometry3d& world_from_optical);
@@ -94,11 +95,12 @@ class Simulator {
   Ticker sensor_ticker_;
 
   TimeNs now_ = 0;
-  Se2 world_from_base_;
+  RobotPose world_from_base_;
   BodyVelocity velocity_;  ///< true, held until the next odometry
-  Se2 odom_from_base_;
+  RobotPose odom_from_base_;
   TimeNs last_odometry_ = 0;
   Eigen::Vector2d travel_ = Eigen::Vector2d::Zero();  ///< m of the left and right wheel since then
+  Eigen::Vector2d tilt_ = Eigen::Vector2d::Zero();    ///< rad of roll and pitch since then
   Eigen::Vector2d wheel_scale_;
   int slipping_wheel_ = 0;
   TimeNs slip_end_ = 0;

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "kinect_ekf_slam/core/landmark.h"
-#include "kinect_ekf_slam/core/se2.h"
+#include "kinect_ekf_slam/simulation/robot_pose.h"
 
 namespace kinect_ekf_slam {
 
-/// A standing cylinder.
+/// A standing cylinder; in a spatial world a ball.
 struct WorldLandmark {
   int id = kNoId;     ///< not negative, unique
   std::string label;  ///< its colour
@@ -20,20 +20,21 @@ struct WorldLandmark {
   double radius = 0.0;  ///< m
 };
 
-/// How the robot drives.
+/// How the robot drives or flies.
 struct DriveOptions {
-  Se2 world_from_start;
-  std::vector<Eigen::Vector2d> waypoints_in_world;  ///< m; driven to in order
+  RobotPose world_from_start;
+  std::vector<Eigen::Vector3d> waypoints_in_world;  ///< m; driven to in order; on the floor z is zero
   int loops = 1;                                    ///< times that the waypoints are driven through
   double standing_time = 2.0;                       ///< s at the start, for the gyro's bias to be found
   double max_speed = 0.2;                           ///< m/s
-  double max_turn_rate = 1.0;                       ///< rad/s
+  double max_turn_rate = 1.0;                       ///< rad/s, about each axis
   double max_acceleration = 0.3;                    ///< m/s^2
   double max_turn_acceleration = 2.0;               ///< rad/s^2
   double robot_radius = 0.18;                       ///< m; so near it comes to walls and cylinders
 };
 
 /// Encoders of a differential drive. All errors are of what the wheels report; at rest they report rest.
+/// The odometry of a robot that flies errs in the same way, and reads its roll and pitch as well as its yaw.
 struct WheelOptions {
   double rate = 30.0;             ///< Hz of the odometry, and of the drive's control
   double separation = 0.23;       ///< m between the wheels
@@ -58,6 +59,7 @@ struct GyroOptions {
 struct KinectOptions {
   double rate = 10.0;               ///< Hz
   double field_of_view_deg = 57.0;  ///< horizontal, whole angle
+  double vertical_field_of_view_deg = 43.0;
   double min_depth = 0.6;           ///< m
   double max_depth = 2.6;           ///< m
   double noise_scale = 1.0;         ///< on the standard deviation; 0: exact
@@ -73,15 +75,18 @@ struct KinectOptions {
   Eigen::Isometry3d base_from_optical = Eigen::Isometry3d::Identity();
 };
 
-/// A room with landmarks, and the robot that drives in it. The world's origin is a corner of the room; the
-/// robot starts anywhere.
+/// A room with landmarks, and the robot that moves in it. The world's origin is a corner of the room; the
+/// robot starts anywhere. The world is spatial when the robot's pose is: then it flies among balls.
 struct World {
-  Eigen::Vector2d room_size = Eigen::Vector2d::Zero();  ///< m; the walls are x, y = 0 and x, y = size
+  /// m; the walls are x, y = 0 and x, y = size; in a spatial world z = size is the ceiling
+  Eigen::Vector3d room_size = Eigen::Vector3d::Zero();
   std::vector<WorldLandmark> landmarks;
   DriveOptions drive;
   WheelOptions wheels;
   GyroOptions gyro;
   KinectOptions sensor;
+
+  bool is_spatial() const { return drive.world_from_start.is_spatial(); }
 };
 
 /// One line that names the file, the key, the value given and what is allowed.
@@ -90,7 +95,7 @@ class WorldFileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Reads a world (config/worlds/room.yaml explains the keys). Throws WorldFileError.
+/// Reads a world (config/worlds/room.yaml and room_3d.yaml explain the keys). Throws WorldFileError.
 World read_world(const std::string& path);
 
 /// The same from text; `name` stands for the file in errors.

@@ -24,12 +24,14 @@ struct RoomStudy {
   std::function<void(double)> on_progress;  ///< share done, 0 to 1, from the calling thread; may be empty
 };
 
-/// What one run gave. All in the start's own frame: the map's origin is where the robot started.
+/// What one run gave, compared in the space of the estimate. All in the start's own frame: the map's origin is
+/// where the robot started.
 struct RoomRun {
   std::uint64_t seed = 0;
   MapComparison map;
   double path_rmse = 0.0;    ///< m, at the times of the detections, from the first move on
-  std::vector<double> nees;  ///< of the pose (x, y, yaw) at the same times: e^T P^-1 e
+  int pose_dof = 0;          ///< 3 in the plane, 6 in space
+  std::vector<double> nees;  ///< of the pose at the same times: e^T P^-1 e
   double nees_mean = 0.0;
   double seconds = 0.0;  ///< of simulated time
 };
@@ -53,7 +55,8 @@ struct RoomSummary {
   Spread landmark_rmse_aligned;  ///< m
   Spread landmark_rmse_start;    ///< m
   Spread path_rmse;              ///< m
-  Spread nees;                   ///< 3 when consistent
+  Spread nees;                   ///< `pose_dof` when consistent
+  int pose_dof = 0;
   /// Where the mean over the runs lies at any one time with 95 % probability, if the estimate is consistent;
   /// and the share of the times at which it lies there.
   double nees_low = 0.0;

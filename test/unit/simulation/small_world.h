@@ -8,7 +8,7 @@ namespace kinect_ekf_slam::testing {
 /// A large room without landmarks, a robot at its middle that looks along x, sensors without any error.
 inline World exact_world() {
   World world;
-  world.room_size = {20.0, 20.0};
+  world.room_size = {20.0, 20.0, 0.0};
   world.drive.world_from_start = Se2(10.0, 10.0, 0.0);
   world.drive.standing_time = 0.0;
   world.wheels.scale_sigma = 0.0;

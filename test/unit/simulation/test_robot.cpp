@@ -11,9 +11,9 @@ namespace {
 
 World noisy_world() {
   World world;
-  world.room_size = {20.0, 20.0};
+  world.room_size = {20.0, 20.0, 0.0};
   world.drive.world_from_start = Se2(10.0, 10.0, 0.3);
-  world.drive.waypoints_in_world = {{12.0, 11.0}, {9.0, 12.0}};
+  world.drive.waypoints_in_world = {{12.0, 11.0, 0.0}, {9.0, 12.0, 0.0}};
   world.landmarks = {cylinder(1, 2.0, 0.4), cylinder(2, 2.2, -0.4), cylinder(3, -1.0, 2.0)};
   world.sensor = exact_world().sensor;
   world.sensor.noise_scale = 1.0;
@@ -27,7 +27,7 @@ bool same(const Sample& a, const Sample& b) {
       a.gyro_rate_in_imu != b.gyro_rate_in_imu || a.sightings.has_value() != b.sightings.has_value()) {
     return false;
   }
-  if (a.odometry && (a.odometry->odom_from_base.translation() != b.odometry->odom_from_base.translation() ||
+  if (a.odometry && (a.odometry->odom_from_base.matrix() != b.odometry->odom_from_base.matrix() ||
                      a.odometry->velocity.angular != b.odometry->velocity.angular)) {
     return false;
   }
@@ -99,14 +99,16 @@ TEST(Simulator, SensorsKeepTheirRatesAndTheOrderOfTime) {
 
 TEST(Simulator, WithoutErrorsTheOdometryIsTheTruth) {
   World world = exact_world();
-  world.drive.waypoints_in_world = {{11.0, 11.0}, {9.0, 10.5}, {10.0, 10.0}};
+  world.drive.waypoints_in_world = {{11.0, 11.0, 0.0}, {9.0, 10.5, 0.0}, {10.0, 10.0, 0.0}};
   double path = 0.0;
-  Se2 last = world.drive.world_from_start;
+  const Eigen::Isometry3d world_from_start = world.drive.world_from_start.to_3d();
+  Eigen::Isometry3d last = world_from_start;
   for (const Sample& sample : run(world, 1, 40.0)) {
     if (!sample.odometry) continue;
-    const Se2 world_from_base = world.drive.world_from_start * sample.odometry->odom_from_base;
-    ASSERT_TRUE(PoseNear(world_from_base, sample.world_from_base, 1e-9)) << to_seconds(sample.stamp);
-    const Se2 step = last.inverse() * sample.world_from_base;
+    const Eigen::Isometry3d world_from_base = world_from_start * sample.odometry->odom_from_base;
+    ASSERT_TRUE(MatrixNear(world_from_base.matrix(), sample.world_from_base.matrix(), 1e-9))
+        << to_seconds(sample.stamp);
+    const Se2 step = Planar::pose_from_3d(last.inverse() * sample.world_from_base);
     const Eigen::Vector3d twist = step.log() * world.wheels.rate;
     if (sample.stamp > 0) {
       ASSERT_NEAR(twist.x(), sample.odometry->velocity.linear.x(), 1e-6);
@@ -122,7 +124,7 @@ TEST(Simulator, WithoutErrorsTheOdometryIsTheTruth) {
 TEST(Simulator, WheelScaleErrorsDriftAsExpected) {
   World world = exact_world();
   world.wheels.scale_sigma = 0.01;
-  world.drive.waypoints_in_world = {{12.0, 10.0}};
+  world.drive.waypoints_in_world = {{12.0, 10.0, 0.0}};
   constexpr int kSeeds = 400;
   std::vector<double> length_errors;
   std::vector<double> headings;
@@ -131,9 +133,9 @@ TEST(Simulator, WheelScaleErrorsDriftAsExpected) {
     Sample sample = simulator.next();
     while (!simulator.finished()) sample = simulator.next();
     while (!sample.odometry) sample = simulator.next();
-    const double length = (sample.world_from_base.translation() - Eigen::Vector2d(10.0, 10.0)).norm();
+    const double length = (sample.world_from_base.translation() - Eigen::Vector3d(10.0, 10.0, 0.0)).norm();
     length_errors.push_back(sample.odometry->odom_from_base.translation().norm() / length - 1.0);
-    headings.push_back(sample.odometry->odom_from_base.angle() / length);
+    headings.push_back(Planar::pose_from_3d(sample.odometry->odom_from_base).angle() / length);
   }
   // The mean of two wheels, and their difference over the distance between them; 15 % is four sigma of 400
   // draws.
@@ -146,13 +148,13 @@ TEST(Simulator, WheelScaleErrorsDriftAsExpected) {
 TEST(Simulator, WheelNoiseGrowsWithTheRootOfTheWay) {
   World world = exact_world();
   world.wheels.noise = 0.01;
-  world.drive.waypoints_in_world = {{12.0, 10.0}};
+  world.drive.waypoints_in_world = {{12.0, 10.0, 0.0}};
   std::vector<double> headings;
   for (std::uint64_t seed = 1; seed <= 400; ++seed) {
     Simulator simulator(world, seed);
     Sample sample = simulator.next();
     while (!simulator.finished() || !sample.odometry) sample = simulator.next();
-    headings.push_back(sample.odometry->odom_from_base.angle());
+    headings.push_back(Planar::pose_from_3d(sample.odometry->odom_from_base).angle());
   }
   const double expected =
       world.wheels.noise * std::sqrt(2.0 * 2.0) / world.wheels.separation;  // 2 m, two wheels
@@ -196,7 +198,7 @@ TEST(Simulator, AnImuOnItsSideTurnsAboutItsOwnAxes) {
 TEST(Simulator, KeepsTheLimitsOfSpeedAndAcceleration) {
   World world = exact_world();
   world.drive.standing_time = 2.0;
-  world.drive.waypoints_in_world = {{9.0, 11.0}, {11.0, 11.0}};
+  world.drive.waypoints_in_world = {{9.0, 11.0, 0.0}, {11.0, 11.0, 0.0}};
   const double period = 1.0 / world.wheels.rate;
   BodyVelocity last;
   for (const Sample& sample : run(world, 1, 60.0)) {
@@ -216,18 +218,18 @@ TEST(Simulator, KeepsTheLimitsOfSpeedAndAcceleration) {
 
 TEST(Simulator, WaypointsEndAtTheLastOne) {
   World world = exact_world();
-  world.drive.waypoints_in_world = {{11.0, 10.0}, {11.0, 11.0}, {10.0, 10.0}};
+  world.drive.waypoints_in_world = {{11.0, 10.0, 0.0}, {11.0, 11.0, 0.0}, {10.0, 10.0, 0.0}};
   world.drive.loops = 2;
   Simulator simulator(world, 1);
   Sample sample = simulator.next();
   while (!simulator.finished() && to_seconds(sample.stamp) < 200.0) sample = simulator.next();
   ASSERT_TRUE(simulator.finished());
-  EXPECT_LT((sample.world_from_base.translation() - Eigen::Vector2d(10.0, 10.0)).norm(), 0.1);
+  EXPECT_LT((sample.world_from_base.translation() - Eigen::Vector3d(10.0, 10.0, 0.0)).norm(), 0.1);
 }
 
 TEST(Simulator, WallsAndCylindersStopACommandedRobot) {
   World world = exact_world();
-  world.room_size = {12.0, 20.0};
+  world.room_size = {12.0, 20.0, 0.0};
   world.landmarks = {cylinder(1, -1.0, 0.0)};
   for (const double speed : {0.2, -0.2}) {
     Simulator simulator(world, 1);

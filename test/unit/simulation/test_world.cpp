@@ -43,7 +43,9 @@ std::string shipped(const std::string& name) {
 TEST(World, ReadsTheSmallest) {
   const World world = parse_world(kSmallest, "w.yaml");
   EXPECT_EQ(world.landmarks.size(), 1U);
-  EXPECT_TRUE(PoseNear(world.drive.world_from_start, Se2(2.0, 1.0, radians(90.0)), 1e-12));
+  EXPECT_FALSE(world.is_spatial());
+  EXPECT_TRUE(PoseNear(Planar::pose_from_3d(world.drive.world_from_start.to_3d()),
+                       Se2(2.0, 1.0, radians(90.0)), 1e-12));
   EXPECT_TRUE(MatrixNear(world.sensor.base_from_optical * Eigen::Vector3d(0.0, 0.0, 1.0),
                          Eigen::Vector3d(1.1, 0.0, 0.25), 1e-12))
       << "depth is forward";
@@ -75,7 +77,7 @@ TEST(World, ErrorsAreOneExactLine) {
       {{"rpy_deg: [0, 0, 0]", "rpy: [0, 0, 0]"},
        "gyro/base_from_imu/rpy_deg: is missing, allowed: three numbers"},
       {{"drive: {start", "robots: 2\ndrive: {start"},
-       "robots: is not known, allowed: drive, gyro, landmarks, room, sensor, wheels"},
+       "robots: is not known, allowed: drive, gyro, landmarks, room, sensor, space, wheels"},
   };
   for (const auto& [change, line] : cases) {
     EXPECT_EQ(error_with(change.first, change.second), "w.yaml: " + line);
