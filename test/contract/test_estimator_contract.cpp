@@ -23,12 +23,15 @@ struct Case {
   /// To what the estimate is exact where only rounding should differ. Sigma points feel the second order of
   /// the errors, and lie along the axes: a fraction of a standard deviation, not of rounding.
   static constexpr double kExactness = kType == EstimatorOptions::Type::kUkf ? 1e-3 : 1e-9;
+  /// Two estimators in the same state go on with the same bits, but not where one has work put off.
+  static constexpr double kDeferred = kType == EstimatorOptions::Type::kCompressedEkf ? 1e-9 : 0.0;
 };
 
 using Type = EstimatorOptions::Type;
 using Cases = ::testing::Types<Case<Planar, Type::kEkf>, Case<Planar, Type::kInvariantEkf>,
-                               Case<Planar, Type::kUkf>, Case<Planar, Type::kDeadReckoning>,
-                               Case<Spatial, Type::kEkf>, Case<Spatial, Type::kInvariantEkf>,
+                               Case<Planar, Type::kCompressedEkf>, Case<Planar, Type::kUkf>,
+                               Case<Planar, Type::kDeadReckoning>, Case<Spatial, Type::kEkf>,
+                               Case<Spatial, Type::kInvariantEkf>, Case<Spatial, Type::kCompressedEkf>,
                                Case<Spatial, Type::kUkf>, Case<Spatial, Type::kDeadReckoning>>;
 
 template <class EstimatorCase>
@@ -39,7 +42,11 @@ class EstimatorContract : public ::testing::Test {
   using Point = typename CaseSpace::Point;
   using Estimator = std::unique_ptr<SlamEstimator<CaseSpace>>;
 
-  static EstimatorOptions options() { return testing::textbook(EstimatorCase::kType); }
+  static EstimatorOptions options() {
+    EstimatorOptions options = testing::textbook(EstimatorCase::kType);
+    options.active_radius = 2.0;  // half as far as the sensor sees: the active region changes often
+    return options;
+  }
 
   static Estimator make(const PoseEstimate<CaseSpace>& initial = start(),
                         const EstimatorOptions& used = options(),
@@ -80,13 +87,14 @@ class EstimatorContract : public ::testing::Test {
     run(estimator.get(), &scenario, 20);
     return estimator;
   }
-  /// Equal to the last bit.
-  static void expect_same(const SlamEstimator<CaseSpace>& left, const SlamEstimator<CaseSpace>& right) {
+  /// Equal, to the last bit when nothing else is said.
+  static void expect_same(const SlamEstimator<CaseSpace>& left, const SlamEstimator<CaseSpace>& right,
+                          double tolerance = 0.0) {
     const SlamState<CaseSpace> a = left.snapshot();
     const SlamState<CaseSpace> b = right.snapshot();
-    EXPECT_TRUE(SamePose(a.map_from_base, b.map_from_base, 0.0));
-    EXPECT_TRUE(MatrixNear(a.landmarks_in_map, b.landmarks_in_map, 0.0));
-    EXPECT_TRUE(MatrixNear(a.covariance, b.covariance, 0.0));
+    EXPECT_TRUE(SamePose(a.map_from_base, b.map_from_base, tolerance));
+    EXPECT_TRUE(MatrixNear(a.landmarks_in_map, b.landmarks_in_map, tolerance));
+    EXPECT_TRUE(MatrixNear(a.covariance, b.covariance, tolerance));
     ASSERT_EQ(a.infos.size(), b.infos.size());
     for (std::size_t i = 0; i < a.infos.size(); ++i) {
       EXPECT_EQ(a.infos[i].id, b.infos[i].id);
@@ -234,7 +242,7 @@ TYPED_TEST(EstimatorContract, AnotherEstimatorGoesOnFromASnapshot) {
   Scenario<Space> same_future = scenario;
   this->run(original.get(), &scenario, 20, 100);
   this->run(other.get(), &same_future, 20, 100);
-  this->expect_same(*other, *original);
+  this->expect_same(*other, *original, TypeParam::kDeferred);
 }
 
 TYPED_TEST(EstimatorContract, ACopyLivesOnItsOwn) {
