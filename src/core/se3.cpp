@@ -44,6 +44,13 @@ Eigen::Vector3d rotation_log(const Eigen::Quaterniond& rotation) {
   return ratio * rotation.vec();
 }
 
+Eigen::Matrix3d rotation_from_rpy(const Eigen::Vector3d& rpy) {
+  return (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
 Se3::Se3(const Eigen::Vector3d& translation, const Eigen::Quaterniond& attitude)
     : translation_(translation), attitude_(attitude.normalized()), rotation_(attitude_.toRotationMatrix()) {}
 

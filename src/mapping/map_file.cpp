@@ -11,6 +11,7 @@
 #include <set>
 
 #include "kinect_ekf_slam/core/atomic_file.h"
+#include "kinect_ekf_slam/core/space.h"
 
 namespace kinect_ekf_slam {
 namespace {
@@ -61,6 +62,34 @@ Eigen::VectorXd numbers(const YAML::Node& node, Eigen::Index count, const char* 
   return values;
 }
 
+/// How many numbers of what a space's maps hold.
+struct Layout {
+  Eigen::Index pose_numbers;  ///< of the pose as it is written
+  Eigen::Index pose_dim;      ///< of its error: rows of the covariance
+  Eigen::Index point_dim;
+  const char* pose_meaning;
+};
+
+Layout layout_of(const std::string& space) {
+  if (space == Planar::kName) {
+    return {Planar::kPoseNumbers, Planar::kPoseDim, Planar::kPointDim,
+            "m and rad: x, y, heading of the robot when the map was saved"};
+  }
+  if (space == Spatial::kName) {
+    return {Spatial::kPoseNumbers, Spatial::kPoseDim, Spatial::kPointDim,
+            "m, then a quaternion: x, y, z, qx, qy, qz, qw of the robot when the map was saved"};
+  }
+  throw MapFileError("space '" + space + "' is not known, allowed: " + Planar::kName + ", " + Spatial::kName);
+}
+
+/// Throws unless the numbers of a spatial pose end in a quaternion: another length is no rotation.
+void check_pose(const SavedState& state) {
+  constexpr double kTolerance = 1e-6;
+  if (state.space == Spatial::kName && !(std::abs(state.pose.tail<4>().norm() - 1.0) < kTolerance)) {
+    throw MapFileError("the quaternion of its pose is not of length 1");
+  }
+}
+
 LandmarkInfo landmark_info(const YAML::Node& node) {
   LandmarkInfo info;
   info.id = node["id"].as<int>();
@@ -85,26 +114,25 @@ SavedState parse(const YAML::Node& root, const std::string& expected_frame) {
   }
   SavedState state;
   state.space = root["space"].as<std::string>();
-  if (state.space != "planar")
-    throw MapFileError("space '" + state.space + "' is not known, allowed: planar");
-  constexpr Eigen::Index kPoseDim = 3;
-  constexpr Eigen::Index kPointDim = 2;
+  const Layout layout = layout_of(state.space);
   state.stamp = root["stamp_ns"].as<TimeNs>();
-  state.pose = numbers(root["pose"], kPoseDim, "pose");
+  state.pose = numbers(root["pose"], layout.pose_numbers, "pose");
+  check_pose(state);
   const YAML::Node landmarks = root["landmarks"];
   if (!landmarks.IsSequence()) throw MapFileError("landmarks is not a list");
   const auto count = static_cast<Eigen::Index>(landmarks.size());
-  state.landmarks_in_map.resize(count, kPointDim);
+  state.landmarks_in_map.resize(count, layout.point_dim);
   std::set<int> ids;
   for (Eigen::Index i = 0; i < count; ++i) {
     state.infos.push_back(landmark_info(landmarks[i]));
-    state.landmarks_in_map.row(i) = numbers(landmarks[i]["position"], kPointDim, "a position").transpose();
+    state.landmarks_in_map.row(i) =
+        numbers(landmarks[i]["position"], layout.point_dim, "a position").transpose();
     if (state.infos.back().id < 0 || !ids.insert(state.infos.back().id).second) {
       throw MapFileError("landmark id " + std::to_string(state.infos.back().id) +
                          " is negative or used twice");
     }
   }
-  const Eigen::Index size = kPoseDim + kPointDim * count;
+  const Eigen::Index size = layout.pose_dim + layout.point_dim * count;
   const YAML::Node rows = root["covariance_lower_triangle"];
   if (!rows.IsSequence() || static_cast<Eigen::Index>(rows.size()) != size) {
     throw MapFileError("covariance_lower_triangle should have " + std::to_string(size) + " rows");
@@ -155,11 +183,11 @@ void write_map(const std::string& path, const std::string& frame, const SavedSta
   if (!state.covariance.allFinite() || !state.landmarks_in_map.allFinite() || !state.pose.allFinite()) {
     fail(path, "not written: the estimate is not finite");
   }
-  std::string text =
-      std::string("format: ") + kFormat + "\nversion: " + std::to_string(kVersion) +
-      "\nframe: " + quoted(frame) + "\nspace: " + state.space + "\nstamp_ns: " + std::to_string(state.stamp) +
-      "\n# m and rad: x, y, heading of the robot when the map was saved\npose: " + flow(state.pose) +
-      "\n# m, in the frame above\nlandmarks:" + (state.infos.empty() ? " []" : "") + "\n";
+  std::string text = std::string("format: ") + kFormat + "\nversion: " + std::to_string(kVersion) +
+                     "\nframe: " + quoted(frame) + "\nspace: " + state.space +
+                     "\nstamp_ns: " + std::to_string(state.stamp) + "\n# " +
+                     layout_of(state.space).pose_meaning + "\npose: " + flow(state.pose) +
+                     "\n# m, in the frame above\nlandmarks:" + (state.infos.empty() ? " []" : "") + "\n";
   for (std::size_t i = 0; i < state.infos.size(); ++i) {
     const LandmarkInfo& info = state.infos[i];
     text += "- {id: " + std::to_string(info.id) + ", source_id: " + std::to_string(info.source_id) +

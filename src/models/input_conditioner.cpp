@@ -51,7 +51,7 @@ bool InputConditioner::stands() const {
          odometry_->value.angular.norm() <= options_.standing_speed;
 }
 
-double InputConditioner::heading_rate(double odometry_rate, double gyro_rate) const {
+double InputConditioner::turn_rate(double odometry_rate, double gyro_rate) const {
   const double threshold =
       odometry_period_ > 0.0 ? radians(options_.heading_threshold_deg) / odometry_period_ : 0.0;
   const bool differ = std::abs(odometry_rate - gyro_rate) > threshold;
@@ -79,9 +79,10 @@ BodyVelocity InputConditioner::velocity(TimeNs stamp) const {
   BodyVelocity velocity = last_odometry();
   if (gyro_ && std::abs(to_seconds(stamp - gyro_->stamp)) <= options_.max_gyro_age) {
     const Eigen::Vector3d gyro_rate = clamp(gyro_->value - gyro_bias_, options_.max_angular_speed);
-    const double chosen = heading_rate(velocity.angular.z(), gyro_rate.z());
-    velocity.heading_from_gyro = chosen == gyro_rate.z();
-    velocity.angular.z() = chosen;
+    for (int axis = 0; axis < 3; ++axis) {
+      velocity.angular(axis) = turn_rate(velocity.angular(axis), gyro_rate(axis));
+      velocity.turned_by_gyro[axis] = velocity.angular(axis) == gyro_rate(axis);
+    }
   }
   return velocity;
 }

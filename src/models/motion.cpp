@@ -6,23 +6,26 @@
 namespace kinect_ekf_slam {
 namespace {
 
+constexpr int kFirstTurn = 3;  // of REP-103's x, y, z, roll, pitch, yaw
+
 double squared(double value) { return value * value; }
 
-/// Variance per second of each component of the twist: forward, sideways (and up), turning.
+/// Variance per second of each component of the twist: forward, sideways (and up), turning about each axis.
 template <class Space>
 typename Space::PoseVector proportional_density(const BodyVelocity& velocity, const MotionOptions& options) {
-  const double speed = velocity.linear.norm();
-  const double rate = velocity.angular.norm();
+  const typename Space::PoseVector twist = Space::twist(velocity);
+  const double speed = twist.template head<Space::kPointDim>().norm();
+  const double rate = twist.template tail<Space::kTurnDim>().norm();
   typename Space::PoseVector density = Space::PoseVector::Zero();
   if (speed == 0.0 && rate == 0.0) return density;  // wheels that stand hold the robot
   density.template head<Space::kPointDim>().setConstant(squared(options.lateral_noise_per_speed * speed));
   density(0) = squared(options.linear_noise) + squared(options.linear_noise_per_speed * speed);
-  const double turning = velocity.heading_from_gyro
-                             ? squared(options.gyro_noise) + squared(options.gyro_noise_per_rate * rate)
-                             : squared(options.angular_noise) +
-                                   squared(options.angular_noise_per_rate * rate) +
-                                   squared(options.angular_noise_per_speed * speed);
-  density.template tail<Space::kTurnDim>().setConstant(turning);
+  const double by_gyro = squared(options.gyro_noise) + squared(options.gyro_noise_per_rate * rate);
+  const double by_wheels = squared(options.angular_noise) + squared(options.angular_noise_per_rate * rate) +
+                           squared(options.angular_noise_per_speed * speed);
+  for (int i = Space::kPointDim; i < Space::kPoseDim; ++i) {
+    density(i) = velocity.turned_by_gyro[Space::kPoseAxes[i] - kFirstTurn] ? by_gyro : by_wheels;
+  }
   return density;
 }
 

@@ -12,36 +12,11 @@
 namespace kinect_ekf_slam {
 namespace {
 
-template <class Space>
-Pose3d to_3d(TimeNs stamp, const PoseEstimate<Space>& estimate) {
-  Pose3d pose;
-  pose.stamp = stamp;
-  pose.map_from_base = Space::to_3d(estimate.map_from_base);
-  for (int i = 0; i < Space::kPoseDim; ++i) {
-    for (int j = 0; j < Space::kPoseDim; ++j) {
-      pose.covariance(Space::kPoseAxes[i], Space::kPoseAxes[j]) = estimate.covariance(i, j);
-    }
-  }
-  return pose;
-}
-
-template <class Space>
-PoseEstimate<Space> from_3d(const Pose3d& pose) {
-  PoseEstimate<Space> estimate;
-  estimate.map_from_base = Space::pose_from_3d(pose.map_from_base);
-  for (int i = 0; i < Space::kPoseDim; ++i) {
-    for (int j = 0; j < Space::kPoseDim; ++j) {
-      estimate.covariance(i, j) = pose.covariance(Space::kPoseAxes[i], Space::kPoseAxes[j]);
-    }
-  }
-  return estimate;
-}
-
 Pose3d initial_pose(const InitialPoseOptions& options) {
   Pose3d pose;
-  pose.map_from_base.translation() = Eigen::Vector3d(options.x, options.y, 0.0);
+  pose.map_from_base.translation() = Eigen::Vector3d(options.x, options.y, options.z);
   pose.map_from_base.linear() =
-      Eigen::AngleAxisd(radians(options.yaw_deg), Eigen::Vector3d::UnitZ()).toRotationMatrix();
+      rotation_from_rpy({radians(options.roll_deg), radians(options.pitch_deg), radians(options.yaw_deg)});
   const double heading_sigma = radians(options.heading_sigma_deg);
   pose.covariance.diagonal() << Eigen::Vector3d::Constant(options.position_sigma * options.position_sigma),
       Eigen::Vector3d::Constant(heading_sigma * heading_sigma);
@@ -106,7 +81,7 @@ class SpacePipeline : public SlamPipeline {
       : sensor_(options.sensor),
         motion_(options.input, options.motion),
         estimator_(make_estimator<Space>(options.estimator, options.association,
-                                         from_3d<Space>(initial_pose(options.initial_pose)))),
+                                         to_estimate<Space>(initial_pose(options.initial_pose)))),
         dead_reckoned_(estimator_->pose().map_from_base) {
     set_mode(options.mode);
   }
@@ -184,7 +159,7 @@ class SpacePipeline : public SlamPipeline {
   }
 
   void set_pose(const Pose3d& pose) override {
-    estimator_->set_pose(from_3d<Space>(pose));
+    estimator_->set_pose(to_estimate<Space>(pose));
     dead_reckoned_ = estimator_->pose().map_from_base;
   }
 
@@ -249,6 +224,7 @@ class SpacePipeline : public SlamPipeline {
 }  // namespace
 
 std::unique_ptr<SlamPipeline> make_pipeline(const PipelineOptions& options) {
+  if (options.space == SpaceType::kSpatial) return std::make_unique<SpacePipeline<Spatial>>(options);
   return std::make_unique<SpacePipeline<Planar>>(options);
 }
 

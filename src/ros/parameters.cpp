@@ -297,13 +297,19 @@ void visit(Visitor& v, SensorOptions& o) {
 
 void visit(Visitor& v, EstimatorOptions& o, PipelineOptions& pipeline) {
   v.require("estimator/type");
-  v.choice<EstimatorOptions::Type>(
-      "estimator/type", &o.type,
-      {{"ekf", EstimatorOptions::Type::kEkf}, {"dead_reckoning", EstimatorOptions::Type::kDeadReckoning}},
-      "ekf: the extended Kalman filter; dead_reckoning: open loop, landmarks are plotted where they are "
-      "seen");
-  std::string space = Planar::kName;
-  v.choice<std::string>("estimator/space", &space, {{Planar::kName, Planar::kName}}, "where the robot lives");
+  v.choice<EstimatorOptions::Type>("estimator/type", &o.type,
+                                   {{"ekf", EstimatorOptions::Type::kEkf},
+                                    {"invariant_ekf", EstimatorOptions::Type::kInvariantEkf},
+                                    {"ukf", EstimatorOptions::Type::kUkf},
+                                    {"dead_reckoning", EstimatorOptions::Type::kDeadReckoning}},
+                                   "ekf: the extended Kalman filter; "
+                                   "invariant_ekf: the same with the right-invariant error; "
+                                   "ukf: sigma points instead of Jacobians; "
+                                   "dead_reckoning: open loop, landmarks are plotted where they are seen");
+  v.choice<SpaceType>(
+      "estimator/space", &pipeline.space,
+      {{Planar::kName, SpaceType::kPlanar}, {Spatial::kName, SpaceType::kSpatial}},
+      "planar: x, y and heading, landmarks on the floor; spatial: any attitude, landmarks at any height");
   v.number("estimator/robust_threshold", &o.robust_threshold, 0.0, kInfinity, "-",
            "an accepted sighting beyond this squared Mahalanobis distance pulls less; 0: never");
   v.integer("estimator/replace_after", &o.replace_after, 0, 1000, "sightings",
@@ -312,11 +318,15 @@ void visit(Visitor& v, EstimatorOptions& o, PipelineOptions& pipeline) {
   InitialPoseOptions& start = pipeline.initial_pose;
   v.number("estimator/initial_x", &start.x, -1e6, 1e6, "m", "where the robot starts in the map");
   v.number("estimator/initial_y", &start.y, -1e6, 1e6, "m", "where the robot starts in the map");
+  v.number("estimator/initial_z", &start.z, -1e6, 1e6, "m", "likewise; spatial only");
+  v.number("estimator/initial_roll_deg", &start.roll_deg, -360.0, 360.0, "deg",
+           "its attitude there, about fixed axes roll, pitch, yaw; spatial only");
+  v.number("estimator/initial_pitch_deg", &start.pitch_deg, -360.0, 360.0, "deg", "likewise; spatial only");
   v.number("estimator/initial_yaw_deg", &start.yaw_deg, -360.0, 360.0, "deg", "its heading there");
   v.number("estimator/initial_position_sigma", &start.position_sigma, 1e-9, 1e3, "m",
            "how sure that is; never zero");
   v.number("estimator/initial_heading_sigma_deg", &start.heading_sigma_deg, 1e-9, 360.0, "deg",
-           "how sure that is; never zero");
+           "likewise, in space about each axis; never zero");
 }
 
 void visit(Visitor& v, AssociationOptions& o) {

@@ -4,6 +4,7 @@
 #include <tf2/exceptions.h>
 
 #include "kinect_ekf_slam/core/angles.h"
+#include "kinect_ekf_slam/core/se3.h"
 #include "kinect_ekf_slam/ros/conversions.h"
 
 namespace kinect_ekf_slam {
@@ -13,10 +14,8 @@ void add_static_transforms(const std::vector<StaticTransformOption>& transforms,
   for (const StaticTransformOption& option : transforms) {
     Eigen::Isometry3d parent_from_child = Eigen::Isometry3d::Identity();
     parent_from_child.translation() << option.xyz[0], option.xyz[1], option.xyz[2];
-    parent_from_child.linear() = (Eigen::AngleAxisd(radians(option.rpy_deg[2]), Eigen::Vector3d::UnitZ()) *
-                                  Eigen::AngleAxisd(radians(option.rpy_deg[1]), Eigen::Vector3d::UnitY()) *
-                                  Eigen::AngleAxisd(radians(option.rpy_deg[0]), Eigen::Vector3d::UnitX()))
-                                     .toRotationMatrix();
+    parent_from_child.linear() = rotation_from_rpy(
+        {radians(option.rpy_deg[0]), radians(option.rpy_deg[1]), radians(option.rpy_deg[2])});
     geometry_msgs::TransformStamped message;
     message.header.stamp = stamp;
     message.header.frame_id = option.parent;

@@ -2,16 +2,21 @@
 
 #include <gtest/gtest.h>
 
+#include "kinect_ekf_slam/core/space.h"
 #include "kinect_ekf_slam/mapping/saved_state.h"
 
 namespace kinect_ekf_slam::testing {
 
 /// A map with numbers that no short decimal can hold, and labels that no careless writer can quote.
-inline SavedState sample_map() {
+template <class Space = Planar>
+SavedState sample_map() {
+  typename Space::PoseVector twist = Space::PoseVector::Constant(-1e-17);
+  twist(0) = 1.0 / 3.0;
+  twist(Space::kPoseDim - 1) = 3.0;
   SavedState state;
-  state.space = "planar";
+  state.space = Space::kName;
   state.stamp = 1700000000123456789;
-  state.pose = Eigen::Vector3d(1.0 / 3.0, -1e-17, 3.0);
+  state.pose = Space::to_vector(Space::retract({}, twist));
   const char* labels[] = {"red",
                           "say \"hi\": {a: [1, 2]} # no comment",
                           "line\nbreak\ttab \\ 'single'",
@@ -30,10 +35,14 @@ inline SavedState sample_map() {
     if (i == 5) info.label_votes.clear();
     state.infos.push_back(info);
   }
-  state.landmarks_in_map.resize(6, 2);
-  Eigen::MatrixXd root = Eigen::MatrixXd::Zero(15, 15);
-  for (int i = 0; i < 6; ++i) state.landmarks_in_map.row(i) << std::sqrt(2.0 + i), -std::exp(1.0 + i);
-  for (int i = 0; i < 15; ++i) {
+  constexpr int kSize = Space::kPoseDim + 6 * Space::kPointDim;
+  Eigen::MatrixXd root = Eigen::MatrixXd::Zero(kSize, kSize);
+  state.landmarks_in_map.resize(6, Space::kPointDim);
+  for (int i = 0; i < 6; ++i) {
+    const Eigen::Vector3d point(std::sqrt(2.0 + i), -std::exp(1.0 + i), 1.0 / (3.0 + i));
+    state.landmarks_in_map.row(i) = Space::from_3d(point).transpose();
+  }
+  for (int i = 0; i < kSize; ++i) {
     for (int j = 0; j <= i; ++j) root(i, j) = 0.1 / (1.0 + i + 2.0 * j) - (i == j ? -0.05 : 0.0);
   }
   const Eigen::MatrixXd square = root * root.transpose();

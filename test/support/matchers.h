@@ -8,6 +8,7 @@
 
 #include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/core/se2.h"
+#include "kinect_ekf_slam/core/se3.h"
 
 namespace kinect_ekf_slam::testing {
 
@@ -31,6 +32,11 @@ inline ::testing::AssertionResult AngleNear(double left, double right, double to
 inline ::testing::AssertionResult PoseNear(const Se2& left, const Se2& right, double tolerance) {
   const auto position = MatrixNear(left.translation(), right.translation(), tolerance);
   return position ? AngleNear(left.angle(), right.angle(), tolerance) : position;
+}
+
+inline ::testing::AssertionResult PoseNear(const Se3& left, const Se3& right, double tolerance) {
+  const auto position = MatrixNear(left.translation(), right.translation(), tolerance);
+  return position ? MatrixNear(left.rotation(), right.rotation(), tolerance) : position;
 }
 
 /// Symmetric to the last bit, and no eigenvalue below -`tolerance` times the largest.

@@ -14,6 +14,10 @@ Eigen::Quaterniond rotation_exp(const Eigen::Vector3d& vector);
 /// The shortest vector whose rotation this is, its length in [0, pi].
 Eigen::Vector3d rotation_log(const Eigen::Quaterniond& rotation);
 
+/// The rotation by roll, pitch and yaw (rad) about fixed axes: x first, then y, then z, as URDF and tf say
+/// it.
+Eigen::Matrix3d rotation_from_rpy(const Eigen::Vector3d& roll_pitch_yaw);
+
 /// Rigid motion of space, SE(3): a pose, or the transform between two frames. The spatial sibling of Se2.
 ///
 /// The attitude is kept as a unit quaternion, so no attitude is special. The tangent vector is (translation,

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 
 #include "kinect_ekf_slam/core/se2.h"
 #include "kinect_ekf_slam/core/se3.h"
@@ -12,7 +13,7 @@ namespace kinect_ekf_slam {
 struct BodyVelocity {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< m/s
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rad/s
-  bool heading_from_gyro = false;                     ///< the turn rate is a gyro's, not the wheels'
+  std::array<bool, 3> turned_by_gyro{};               ///< per axis: the rate is a gyro's, not the wheels'
 };
 
 /// A space is all that an algorithm must know about the world's geometry: poses, points, and how they embed

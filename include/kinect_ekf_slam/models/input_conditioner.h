@@ -8,7 +8,8 @@
 
 namespace kinect_ekf_slam {
 
-/// Which sensor is believed for the heading (docs/theory.md, section 1).
+/// Which sensor is believed for the heading, and in space for roll and pitch alike (docs/theory.md, section
+/// 1).
 enum class HeadingSource { kGyrodometryReport, kGyrodometry, kOdometry, kImu };
 
 struct InputOptions {
@@ -41,7 +42,8 @@ class InputConditioner {
   /// `rate` in the axes of the base, rad/s.
   void add_gyro(TimeNs stamp, const Eigen::Vector3d& rate);
 
-  /// Velocity of the base at `stamp`: the last odometry, its heading chosen between wheels and gyro.
+  /// Velocity of the base at `stamp`: the last odometry, its rate about each axis chosen between odometry and
+  /// gyro.
   BodyVelocity velocity(TimeNs stamp) const;
 
   /// s from `stamp` for which the last odometry still holds; zero or less: it does not.
@@ -63,7 +65,7 @@ class InputConditioner {
   };
 
   bool stands() const;
-  double heading_rate(double odometry_rate, double gyro_rate) const;
+  double turn_rate(double odometry_rate, double gyro_rate) const;
 
   InputOptions options_;
   std::optional<Stamped<BodyVelocity>> odometry_;

@@ -9,14 +9,18 @@
 namespace kinect_ekf_slam {
 
 enum class Mode { kSlam, kLocalization };
+enum class SpaceType { kPlanar, kSpatial };
 
-/// Where the robot starts, and how sure that is.
+/// Where the robot starts, and how sure that is. In the plane z, roll and pitch are not used.
 struct InitialPoseOptions {
-  double x = 0.0;                  ///< m, in the map
-  double y = 0.0;                  ///< m
-  double yaw_deg = 0.0;            ///< deg
-  double position_sigma = 1e-3;    ///< m; never zero
-  double heading_sigma_deg = 0.1;  ///< deg; never zero
+  double x = 0.0;  ///< m, in the map
+  double y = 0.0;
+  double z = 0.0;
+  double roll_deg = 0.0;  ///< deg, fixed axes roll, pitch, yaw
+  double pitch_deg = 0.0;
+  double yaw_deg = 0.0;
+  double position_sigma = 1e-3;    ///< m, each axis; never zero
+  double heading_sigma_deg = 0.1;  ///< deg, about each axis; never zero
 };
 
 /// Everything that one run of the pipeline depends on.
@@ -27,6 +31,7 @@ struct PipelineOptions {
   EstimatorOptions estimator;
   AssociationOptions association;
   InitialPoseOptions initial_pose;
+  SpaceType space = SpaceType::kPlanar;
   Mode mode = Mode::kSlam;
 };
 

@@ -7,23 +7,9 @@
 #include <vector>
 
 #include "kinect_ekf_slam/core/landmark.h"
-#include "kinect_ekf_slam/core/time.h"
+#include "kinect_ekf_slam/pipeline/pose_3d.h"
 
 namespace kinect_ekf_slam {
-
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
-/// A planar estimate says nothing of z, roll and pitch: the floor is taken for flat to this variance, m^2 and
-/// rad^2, so that no consumer reads certainty where nothing was measured.
-constexpr double kPlanarVariance = 1e-4;
-
-/// A pose in three dimensions, whatever space it was estimated in.
-struct Pose3d {
-  TimeNs stamp = 0;
-  Eigen::Isometry3d map_from_base = Eigen::Isometry3d::Identity();
-  /// REP-103: (x, y, z, roll, pitch, yaw) in the map's axes, m^2 and rad^2.
-  Matrix6d covariance = Matrix6d::Identity() * kPlanarVariance;
-};
 
 /// A landmark of the map in three dimensions.
 struct Landmark3d {

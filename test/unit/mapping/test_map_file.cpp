@@ -52,6 +52,33 @@ TEST_F(MapFile, ComesBackToTheLastBit) {
   EXPECT_TRUE(SameMap(read(), sample_map()));
 }
 
+TEST_F(MapFile, OfSpaceComesBackToTheLastBit) {
+  const SavedState state = sample_map<Spatial>();
+  EXPECT_EQ(state.pose.size(), 7);
+  EXPECT_EQ(state.landmarks_in_map.cols(), 3);
+  write(state);
+  EXPECT_TRUE(SameMap(read(), state));
+}
+
+TEST_F(MapFile, OfSpaceIsRefusedWithAQuaternionThatIsNone) {
+  SavedState state = sample_map<Spatial>();
+  state.pose.tail<4>() *= 1.1;
+  write(state);
+  EXPECT_EQ(refusal(), "the quaternion of its pose is not of length 1");
+  state.pose.tail<4>().setZero();
+  write(state);
+  EXPECT_EQ(refusal(), "the quaternion of its pose is not of length 1");
+}
+
+/// A planar map that says it were spatial, and the other way round.
+TEST_F(MapFile, IsRefusedWhenItsNumbersAreOfAnotherSpace) {
+  EXPECT_EQ(refusal_after("space: planar", "space: spatial"), "pose should have 7 numbers");
+  SavedState state = sample_map<Spatial>();
+  state.space = Planar::kName;
+  write(state);
+  EXPECT_EQ(refusal(), "pose should have 3 numbers");
+}
+
 TEST_F(MapFile, WritesTheSameTextAgain) {
   write(sample_map());
   const std::string first = read_text(path_);
@@ -189,7 +216,7 @@ TEST_F(MapFile, IsRefusedInAnotherFrame) {
 
 TEST_F(MapFile, IsRefusedInAnotherSpace) {
   EXPECT_EQ(refusal_after("space: planar", "space: hyperbolic"),
-            "space 'hyperbolic' is not known, allowed: planar");
+            "space 'hyperbolic' is not known, allowed: planar, spatial");
 }
 
 TEST_F(MapFile, IsRefusedWhenSizesDiffer) {

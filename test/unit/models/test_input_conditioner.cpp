@@ -148,16 +148,33 @@ TEST(Heading, DoesNotUseAGyroThatWentSilent) {
   EXPECT_DOUBLE_EQ(conditioner.velocity(kSecond + to_nanoseconds(0.08)).angular.z(), 0.4);
 }
 
-TEST(Heading, LeavesTheOtherAxesOfTheOdometryAlone) {
+TEST(Heading, LeavesTheVelocityOfTheOdometryAlone) {
   InputOptions options = without_bias();
   options.heading_source = HeadingSource::kImu;
   InputConditioner conditioner(options);
   BodyVelocity sideways;
   sideways.linear = {0.1, 0.05, 0.0};
   conditioner.add_odometry(1, sideways);
-  conditioner.add_gyro(1, {0.3, 0.3, 0.2});
+  conditioner.add_gyro(1, {0.0, 0.0, 0.2});
   EXPECT_TRUE(MatrixNear(conditioner.velocity(1).linear, sideways.linear, 0.0));
   EXPECT_TRUE(MatrixNear(conditioner.velocity(1).angular, yaw(0.2), 0.0));
+}
+
+/// In space the rule is the heading's for each axis: here gyro and odometry agree on the pitch alone.
+TEST(Heading, IsChosenForEachAxisByItself) {
+  InputOptions options = without_bias();
+  options.heading_source = HeadingSource::kGyrodometry;
+  InputConditioner conditioner(options);
+  BodyVelocity flying;
+  flying.linear.x() = 0.1;
+  flying.angular = {0.3, -0.2, 0.4};
+  conditioner.add_odometry(kSecond, flying);
+  const TimeNs next = kSecond + kSecond / 10;
+  conditioner.add_odometry(next, flying);
+  conditioner.add_gyro(next, {0.31, -0.201, 0.39});
+  const BodyVelocity chosen = conditioner.velocity(next);
+  EXPECT_TRUE(MatrixNear(chosen.angular, Eigen::Vector3d(0.31, -0.2, 0.39), 1e-12));
+  EXPECT_EQ(chosen.turned_by_gyro, (std::array<bool, 3>{true, false, true}));
 }
 
 /// 20 Hz odometry and 100 Hz gyro for `seconds`.

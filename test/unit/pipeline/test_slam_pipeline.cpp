@@ -44,7 +44,11 @@ TEST(SlamPipeline, ThePoseMovesBeforeTheFirstLandmark) {
 
 TEST(SlamPipeline, StartsWhereTheOptionsSay) {
   PipelineOptions options = wide_open();
-  options.initial_pose = {2.0, -1.0, 90.0, 0.2, 3.0};
+  options.initial_pose.x = 2.0;
+  options.initial_pose.y = -1.0;
+  options.initial_pose.yaw_deg = 90.0;
+  options.initial_pose.position_sigma = 0.2;
+  options.initial_pose.heading_sigma_deg = 3.0;
   const Pose3d pose = make_pipeline(options)->process(odometry_frame(1.0, 0.0)).pose;
   EXPECT_TRUE(MatrixNear(pose.map_from_base.translation(), Eigen::Vector3d(2.0, -1.0, 0.0), 1e-12));
   EXPECT_NEAR(yaw_of(pose), 0.5 * kPi, 1e-12);
