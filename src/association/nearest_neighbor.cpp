@@ -27,6 +27,11 @@ NearestNeighbor<Space>::NearestNeighbor(const AssociationOptions& options)
       new_landmark_gate_(chi_square_quantile(options.new_landmark_probability, Space::kPointDim)),
       new_landmark_distance_(options.new_landmark_distance) {}
 
+template <class Space>
+AssociationReach NearestNeighbor<Space>::reach() const {
+  return {std::max(gate_, new_landmark_gate_), new_landmark_distance_};
+}
+
 /// A detector that sees two where there is one: of new sightings that may be one object, the nearest counts.
 template <class Space>
 void NearestNeighbor<Space>::refuse_echoes(const typename Associator<Space>::Observations& observations,

@@ -9,19 +9,19 @@ void Ekf<Space>::predict_measurement(const std::vector<Match>& matches, Predicte
   predicted->mean.resize(rows);
   predicted->cross.setZero(state_.size(), rows);
   predicted->covariance.resize(rows, rows);
-  std::vector<Jacobian> H(matches.size());
+  H_.resize(matches.size());
   for (std::size_t j = 0; j < matches.size(); ++j) {
     typename Space::Point expected;
-    H[j] = this->jacobian(matches[j].landmark, &expected);
+    H_[j] = this->jacobian(state_.landmark(matches[j].landmark), &expected);
     predicted->mean.template segment<kPointDim>(kPointDim * j) = expected;
     auto columns = predicted->cross.middleCols(kPointDim * j, kPointDim);
-    state_.add_weighted_columns(0, H[j].by_pose.transpose(), columns);
-    state_.add_weighted_columns(state_.row(matches[j].landmark), H[j].by_landmark.transpose(), columns);
+    state_.add_weighted_columns(0, H_[j].by_pose.transpose(), columns);
+    state_.add_weighted_columns(state_.row(matches[j].landmark), H_[j].by_landmark.transpose(), columns);
   }
   for (std::size_t j = 0; j < matches.size(); ++j) {
     predicted->covariance.template middleRows<kPointDim>(kPointDim * j) =
-        H[j].by_pose * predicted->cross.template topRows<kPoseDim>() +
-        H[j].by_landmark * predicted->cross.template middleRows<kPointDim>(state_.row(matches[j].landmark));
+        H_[j].by_pose * predicted->cross.template topRows<kPoseDim>() +
+        H_[j].by_landmark * predicted->cross.template middleRows<kPointDim>(state_.row(matches[j].landmark));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "kinect_ekf_slam/estimators/compressed_ekf.h"
 #include "kinect_ekf_slam/estimators/dead_reckoning.h"
 #include "kinect_ekf_slam/estimators/ekf.h"
 #include "kinect_ekf_slam/estimators/fast_slam.h"
@@ -21,6 +22,8 @@ std::unique_ptr<SlamEstimator<Space>> make_estimator(const EstimatorOptions& opt
       return std::make_unique<Ekf<Space>>(options, std::move(associator), initial);
     case EstimatorOptions::Type::kInvariantEkf:
       return std::make_unique<InvariantEkf<Space>>(options, std::move(associator), initial);
+    case EstimatorOptions::Type::kCompressedEkf:
+      return std::make_unique<CompressedEkf<Space>>(options, std::move(associator), initial);
     case EstimatorOptions::Type::kUkf:
       return std::make_unique<Ukf<Space>>(options, std::move(associator), initial);
     case EstimatorOptions::Type::kFastSlam1:

@@ -32,6 +32,41 @@ std::vector<LandmarkEstimate<Space>> GaussianState<Space>::landmarks() const {
 }
 
 template <class Space>
+Eigen::MatrixXd GaussianState<Space>::columns(const std::vector<int>& landmarks) const {
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(size(), row(static_cast<int>(landmarks.size())));
+  for_each_block(landmarks, [&](int start, int in_part, int count) {
+    add_weighted_columns(start, Eigen::MatrixXd::Identity(count, count), columns.middleCols(in_part, count));
+  });
+  return columns;
+}
+
+template <class Space>
+void GaussianState<Space>::set_columns(const std::vector<int>& landmarks, const Eigen::MatrixXd& columns) {
+  auto P = lower();
+  for_each_block(landmarks, [&](int start, int in_part, int count) {
+    const auto below = P.rows() - start;
+    P.block(start, 0, count, start) = columns.block(0, in_part, start, count).transpose();
+    P.block(start, start, below, count) = columns.block(start, in_part, below, count);
+  });
+}
+
+template <class Space>
+GaussianState<Space> GaussianState<Space>::marginal(const std::vector<int>& landmarks) const {
+  GaussianState part({pose_, pose_covariance()});
+  const Eigen::MatrixXd columns = this->columns(landmarks);
+  part.covariance_.resize(columns.cols(), columns.cols());
+  for_each_block(landmarks, [&](int start, int in_part, int count) {
+    part.covariance_.middleRows(in_part, count) = columns.middleRows(start, count);
+  });
+  part.points_.resize(kPointDim * landmarks.size());
+  for (const int i : landmarks) {
+    part.infos_.push_back(infos_[i]);
+    part.set_landmark(part.landmark_count() - 1, landmark(i));
+  }
+  return part;
+}
+
+template <class Space>
 void GaussianState<Space>::move(const PoseEstimate<Space>& moved, const PoseMatrix& F) {
   pose_ = moved.map_from_base;
   auto P = lower();

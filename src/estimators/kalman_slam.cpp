@@ -20,11 +20,9 @@ class KalmanSlam<Space>::Expectation : public PredictedMap<Space> {
     return predict_point<Space>(state_.map_from_base(), state_.landmark(landmark)).point_in_base;
   }
   PointMatrix covariance(int landmark) const override {  // H P H^T
-    const Jacobian H = filter_.jacobian(landmark);
-    const auto landmark_by_pose = state_.lower().template block<kPointDim, kPoseDim>(state_.row(landmark), 0);
-    const PointMatrix mixed = H.by_landmark * landmark_by_pose * H.by_pose.transpose();
-    return H.by_pose * state_.pose_covariance() * H.by_pose.transpose() + mixed + mixed.transpose() +
-           H.by_landmark * state_.landmark_covariance(landmark) * H.by_landmark.transpose();
+    return expected_covariance(filter_.jacobian(state_.landmark(landmark)), state_.pose_covariance(),
+                               state_.lower().template block<kPointDim, kPoseDim>(state_.row(landmark), 0),
+                               state_.landmark_covariance(landmark));
   }
 
  private:
@@ -36,7 +34,7 @@ template <class Space>
 void KalmanSlam<Space>::predict(const MotionStep<Space>& step) {
   PoseEstimate<Space> moved = pose();
   const PoseMatrix F = predict_pose(step, &moved);
-  state_.move(moved, F);
+  move(moved, F);
 }
 
 template <class Space>
@@ -64,7 +62,7 @@ UpdateReport KalmanSlam<Space>::observe(TimeNs stamp, const std::vector<Observat
     Assignment& assignment = report.assignments[k];
     if (map_fixed_) {
       assignment.verdict = Verdict::kNotInMap;
-    } else if (state_.landmark_count() >= options_.max_landmarks) {
+    } else if (map_size() >= options_.max_landmarks) {
       assignment.verdict = Verdict::kMapFull;
     } else {
       add_landmark(stamp, observations[k]);
@@ -112,9 +110,10 @@ bool KalmanSlam<Space>::update(TimeNs stamp, const std::vector<Observation<Space
     retract(weighted * whitened);
     for (const Match& match : matches) {
       state_.info(match.landmark).add(stamp, observations[match.observation].signature);
-      contradictions_[match.landmark] = 0;
+      contradictions_.erase(state_.info(match.landmark).id);
     }
   }
+  corrected(matches, cholesky, weighted, whitened);
   report->nis = whitened.squaredNorm();
   report->dof = static_cast<int>(innovation.size());
   return true;
@@ -141,9 +140,8 @@ void KalmanSlam<Space>::add_landmark(TimeNs stamp, const Observation<Space>& obs
   LandmarkInfo info;
   info.id = ids_.next(observation.signature);
   info.add(stamp, observation.signature);
-  contradictions_.push_back(0);
-  state_.add_landmark(std::move(info), pose * z, by_pose,
-                      by_measurement * observation.covariance * by_measurement.transpose());
+  insert_landmark(std::move(info), pose * z, by_pose,
+                  by_measurement * observation.covariance * by_measurement.transpose());
 }
 
 template <class Space>
@@ -161,13 +159,13 @@ void KalmanSlam<Space>::replace_if_contradicted(TimeNs stamp,
     while (index < state_.landmark_count() && state_.info(index).id != assignment.landmark) ++index;
     if (index == state_.landmark_count()) continue;
     const LandmarkInfo& info = state_.info(index);
-    const int contradictions = ++contradictions_[index];
+    const int contradictions = ++contradictions_[info.id];
     if (contradictions < options_.replace_after || contradictions < static_cast<int>(info.observations)) {
       continue;
     }
     ids_.misplaced(info);
-    state_.remove_landmark(index);
-    contradictions_.erase(contradictions_.begin() + index);
+    contradictions_.erase(info.id);
+    remove_landmark(index);
     add_landmark(stamp, observations[k]);
     assignment.verdict = Verdict::kCreated;
     assignment.landmark = state_.info(state_.landmark_count() - 1).id;
@@ -175,11 +173,21 @@ void KalmanSlam<Space>::replace_if_contradicted(TimeNs stamp,
 }
 
 template <class Space>
-typename KalmanSlam<Space>::Jacobian KalmanSlam<Space>::jacobian(int landmark, Point* point_in_base) const {
+typename KalmanSlam<Space>::Jacobian KalmanSlam<Space>::jacobian(const Point& landmark_in_map,
+                                                                 Point* point_in_base) const {
   const typename Space::Pose& pose = state_.map_from_base();
-  const PredictedPoint<Space> predicted = predict_point<Space>(pose, state_.landmark(landmark));
+  const PredictedPoint<Space> predicted = predict_point<Space>(pose, landmark_in_map);
   if (point_in_base != nullptr) *point_in_base = predicted.point_in_base;
   return {predicted.by_pose * local_from_error<Space>(pose), predicted.by_landmark};
+}
+
+template <class Space>
+typename Space::PointMatrix KalmanSlam<Space>::expected_covariance(
+    const Jacobian& H, const PoseMatrix& pose, const typename Space::PointByPose& landmark_by_pose,
+    const PointMatrix& landmark) {
+  const PointMatrix mixed = H.by_landmark * landmark_by_pose * H.by_pose.transpose();
+  return H.by_pose * pose * H.by_pose.transpose() + mixed + mixed.transpose() +
+         H.by_landmark * landmark * H.by_landmark.transpose();
 }
 
 template <class Space>
@@ -199,7 +207,7 @@ typename Space::PointMatrix KalmanSlam<Space>::measurement_noise(TimeNs stamp,
 template <class Space>
 void KalmanSlam<Space>::restore(const SlamState<Space>& state) {
   state_.restore(state);
-  contradictions_.assign(state.infos.size(), 0);
+  contradictions_.clear();
   ids_.clear();
   for (const LandmarkInfo& info : state.infos) ids_.take(info.id);
 }

@@ -30,6 +30,8 @@ struct Case {
   static constexpr double kRounding = kSamples ? 1e-15 : 0.0;
   /// m; a mean over 100 particles of what is known to 0.01 m at 2 m and 0.01 rad, five times its deviation.
   static constexpr double kPlacing = kSamples ? 0.012 : 1e-12;
+  /// Two estimators in the same state go on with the same bits, but not where one has work put off.
+  static constexpr double kDeferred = kType == EstimatorOptions::Type::kCompressedEkf ? 1e-9 : 0.0;
 };
 
 using Type = EstimatorOptions::Type;
@@ -37,11 +39,11 @@ template <Type kType>
 using Plane = Case<Planar, kType>;
 template <Type kType>
 using Space3d = Case<Spatial, kType>;
-using Cases =
-    ::testing::Types<Plane<Type::kEkf>, Plane<Type::kInvariantEkf>, Plane<Type::kUkf>,
-                     Plane<Type::kFastSlam1>, Plane<Type::kFastSlam2>, Plane<Type::kDeadReckoning>,
-                     Space3d<Type::kEkf>, Space3d<Type::kInvariantEkf>, Space3d<Type::kUkf>,
-                     Space3d<Type::kFastSlam1>, Space3d<Type::kFastSlam2>, Space3d<Type::kDeadReckoning>>;
+using Cases = ::testing::Types<Plane<Type::kEkf>, Plane<Type::kInvariantEkf>, Plane<Type::kCompressedEkf>,
+                               Plane<Type::kUkf>, Plane<Type::kFastSlam1>, Plane<Type::kFastSlam2>,
+                               Plane<Type::kDeadReckoning>, Space3d<Type::kEkf>, Space3d<Type::kInvariantEkf>,
+                               Space3d<Type::kCompressedEkf>, Space3d<Type::kUkf>, Space3d<Type::kFastSlam1>,
+                               Space3d<Type::kFastSlam2>, Space3d<Type::kDeadReckoning>>;
 
 template <class EstimatorCase>
 class EstimatorContract : public ::testing::Test {
@@ -51,7 +53,11 @@ class EstimatorContract : public ::testing::Test {
   using Point = typename CaseSpace::Point;
   using Estimator = std::unique_ptr<SlamEstimator<CaseSpace>>;
 
-  static EstimatorOptions options() { return testing::textbook(EstimatorCase::kType); }
+  static EstimatorOptions options() {
+    EstimatorOptions options = testing::textbook(EstimatorCase::kType);
+    options.active_radius = 2.0;  // half as far as the sensor sees: the active region changes often
+    return options;
+  }
 
   static Estimator make(const PoseEstimate<CaseSpace>& initial = start(),
                         const EstimatorOptions& used = options(),
@@ -92,13 +98,14 @@ class EstimatorContract : public ::testing::Test {
     run(estimator.get(), &scenario, 20);
     return estimator;
   }
-  /// Equal to the last bit.
-  static void expect_same(const SlamEstimator<CaseSpace>& left, const SlamEstimator<CaseSpace>& right) {
+  /// Equal, to the last bit when nothing else is said.
+  static void expect_same(const SlamEstimator<CaseSpace>& left, const SlamEstimator<CaseSpace>& right,
+                          double tolerance = 0.0) {
     const SlamState<CaseSpace> a = left.snapshot();
     const SlamState<CaseSpace> b = right.snapshot();
-    EXPECT_TRUE(SamePose(a.map_from_base, b.map_from_base, 0.0));
-    EXPECT_TRUE(MatrixNear(a.landmarks_in_map, b.landmarks_in_map, 0.0));
-    EXPECT_TRUE(MatrixNear(a.covariance, b.covariance, 0.0));
+    EXPECT_TRUE(SamePose(a.map_from_base, b.map_from_base, tolerance));
+    EXPECT_TRUE(MatrixNear(a.landmarks_in_map, b.landmarks_in_map, tolerance));
+    EXPECT_TRUE(MatrixNear(a.covariance, b.covariance, tolerance));
     ASSERT_EQ(a.infos.size(), b.infos.size());
     for (std::size_t i = 0; i < a.infos.size(); ++i) {
       EXPECT_EQ(a.infos[i].id, b.infos[i].id);
@@ -266,7 +273,7 @@ TYPED_TEST(EstimatorContract, AnotherEstimatorGoesOnFromASnapshot) {
     EXPECT_LT(error.template head<Space::kPointDim>().norm(), 0.3) << "m, after 8 m of driving";
     EXPECT_EQ(other->landmarks().size(), original->landmarks().size());
   } else {
-    this->expect_same(*other, *original);
+    this->expect_same(*other, *original, TypeParam::kDeferred);
   }
 }
 

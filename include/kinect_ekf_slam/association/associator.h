@@ -44,6 +44,12 @@ struct Assignment {
   double squared_distance = std::numeric_limits<double>::quiet_NaN();  ///< Mahalanobis, to that landmark
 };
 
+/// A landmark farther from an observation than this, by both measures, has no part in what becomes of it.
+struct AssociationReach {
+  double squared_mahalanobis = std::numeric_limits<double>::infinity();
+  double distance = std::numeric_limits<double>::infinity();  ///< m
+};
+
 /// Decides which landmark each observation of one time is. Stateless: the same view gives the same answer.
 template <class Space>
 class Associator {
@@ -55,8 +61,8 @@ class Associator {
                                             const PredictedMap<Space>& map) const = 0;
   /// True when landmarks are told apart by the identity that the detector reads.
   virtual bool knows_identities() const { return false; }
-  /// m; a landmark nearer than this to an observation matters to it whatever the covariances say.
-  virtual double reach() const { return 0.0; }
+  /// What an associator that does not know identities must be shown of the map; it may always see more.
+  virtual AssociationReach reach() const { return {}; }
 };
 
 template <class Space>

@@ -16,7 +16,7 @@ class NearestNeighbor : public Associator<Space> {
   explicit NearestNeighbor(const AssociationOptions& options);
   std::vector<Assignment> associate(const typename Associator<Space>::Observations& observations,
                                     const PredictedMap<Space>& map) const override;
-  double reach() const override { return new_landmark_distance_; }
+  AssociationReach reach() const override;
 
  private:
   void refuse_echoes(const typename Associator<Space>::Observations& observations,

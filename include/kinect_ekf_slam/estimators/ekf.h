@@ -20,6 +20,8 @@ class Ekf : public KalmanSlam<Space> {
   using typename Base::Match;
   using typename Base::PredictedMeasurement;
   void predict_measurement(const std::vector<Match>& matches, PredictedMeasurement* predicted) override;
+
+  std::vector<Jacobian> H_;  ///< of the last joint measurement, one a match
 };
 
 }  // namespace kinect_ekf_slam

@@ -48,6 +48,15 @@ class GaussianState {
   template <class Weights>
   void add_weighted_columns(int start, const Weights& weights, Eigen::Ref<Eigen::MatrixXd> columns) const;
 
+  // A part of the state: the pose and some landmarks, given by their indices. Its rows are in that order.
+  /// Calls visit(row in the state, row in the part, number of rows) for the pose and for each landmark.
+  template <class Visit>
+  static void for_each_block(const std::vector<int>& landmarks, const Visit& visit);
+  /// P's columns by the part, of all its rows.
+  Eigen::MatrixXd columns(const std::vector<int>& landmarks) const;
+  void set_columns(const std::vector<int>& landmarks, const Eigen::MatrixXd& columns);
+  GaussianState marginal(const std::vector<int>& landmarks) const;
+
   /// The robot moves, the landmarks stand still: equation (4.4), F the Jacobian of `moved` by the pose.
   void move(const PoseEstimate<Space>& moved, const PoseMatrix& F);
   /// Puts the robot somewhere, independent of the map.
@@ -79,6 +88,15 @@ void GaussianState<Space>::add_weighted_columns(int start, const Weights& weight
   columns.middleRows(start, count).noalias() +=
       P.block(start, start, count, count).template selfadjointView<Eigen::Lower>() * weights;
   columns.bottomRows(below).noalias() += P.block(start + count, start, below, count) * weights;
+}
+
+template <class Space>
+template <class Visit>
+void GaussianState<Space>::for_each_block(const std::vector<int>& landmarks, const Visit& visit) {
+  visit(0, 0, kPoseDim);
+  for (std::size_t j = 0; j < landmarks.size(); ++j) {
+    visit(row(landmarks[j]), row(static_cast<int>(j)), kPointDim);
+  }
 }
 
 }  // namespace kinect_ekf_slam

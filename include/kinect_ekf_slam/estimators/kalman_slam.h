@@ -1,7 +1,10 @@
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "kinect_ekf_slam/estimators/gaussian_state.h"
@@ -62,7 +65,24 @@ class KalmanSlam : public SlamEstimator<Space> {
     typename Space::PointByPose by_pose;
     PointMatrix by_landmark;
   };
-  Jacobian jacobian(int landmark, Point* point_in_base = nullptr) const;
+  Jacobian jacobian(const Point& landmark_in_map, Point* point_in_base = nullptr) const;
+  /// H P H^T of one landmark.
+  static PointMatrix expected_covariance(const Jacobian& H, const PoseMatrix& pose,
+                                         const typename Space::PointByPose& landmark_by_pose,
+                                         const PointMatrix& landmark);
+
+  // The state changes through these alone: an estimator that keeps more than the state takes part in them.
+  virtual void move(const PoseEstimate<Space>& moved, const PoseMatrix& F) { state_.move(moved, F); }
+  virtual void insert_landmark(LandmarkInfo info, const Point& landmark_in_map,
+                               const typename Space::PointByPose& by_pose, const PointMatrix& independent) {
+    state_.add_landmark(std::move(info), landmark_in_map, by_pose, independent);
+  }
+  virtual void remove_landmark(int index) { state_.remove_landmark(index); }
+  /// After an update: S = L L^T, `weighted` P H^T L^-T, `whitened` L^-1 nu.
+  virtual void corrected(const std::vector<Match>& /*matches*/, const Eigen::LLT<Eigen::MatrixXd>& /*S*/,
+                         const Eigen::MatrixXd& /*weighted*/, const Eigen::VectorXd& /*whitened*/) {}
+  /// Landmarks of the whole map; the state may hold a part of them.
+  virtual int map_size() const { return state_.landmark_count(); }
 
   EstimatorOptions options_;
   std::shared_ptr<const Associator<Space>> associator_;
@@ -81,7 +101,7 @@ class KalmanSlam : public SlamEstimator<Space> {
   void replace_if_contradicted(TimeNs stamp, const std::vector<Observation<Space>>& observations,
                                UpdateReport* report);
 
-  std::vector<int> contradictions_;  ///< of each landmark, refused sightings in a row
+  std::map<int, int> contradictions_;  ///< by the landmark's id: refused sightings in a row
   LandmarkIds ids_;
   PredictedMeasurement predicted_;  ///< reused between updates
 };
