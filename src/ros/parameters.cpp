@@ -297,15 +297,18 @@ void visit(Visitor& v, SensorOptions& o) {
 
 void visit(Visitor& v, EstimatorOptions& o, PipelineOptions& pipeline) {
   v.require("estimator/type");
-  v.choice<EstimatorOptions::Type>("estimator/type", &o.type,
-                                   {{"ekf", EstimatorOptions::Type::kEkf},
-                                    {"invariant_ekf", EstimatorOptions::Type::kInvariantEkf},
-                                    {"ukf", EstimatorOptions::Type::kUkf},
-                                    {"dead_reckoning", EstimatorOptions::Type::kDeadReckoning}},
-                                   "ekf: the extended Kalman filter; "
-                                   "invariant_ekf: the same with the right-invariant error; "
-                                   "ukf: sigma points instead of Jacobians; "
-                                   "dead_reckoning: open loop, landmarks are plotted where they are seen");
+  v.choice<EstimatorOptions::Type>(
+      "estimator/type", &o.type,
+      {{"ekf", EstimatorOptions::Type::kEkf},
+       {"invariant_ekf", EstimatorOptions::Type::kInvariantEkf},
+       {"compressed_ekf", EstimatorOptions::Type::kCompressedEkf},
+       {"ukf", EstimatorOptions::Type::kUkf},
+       {"dead_reckoning", EstimatorOptions::Type::kDeadReckoning}},
+      "ekf: the extended Kalman filter; "
+      "invariant_ekf: the same with the right-invariant error; "
+      "compressed_ekf: the ekf's estimate, at a cost that does not grow with the map; "
+      "ukf: sigma points instead of Jacobians; "
+      "dead_reckoning: open loop, landmarks are plotted where they are seen");
   v.choice<SpaceType>(
       "estimator/space", &pipeline.space,
       {{Planar::kName, SpaceType::kPlanar}, {Spatial::kName, SpaceType::kSpatial}},
@@ -315,6 +318,11 @@ void visit(Visitor& v, EstimatorOptions& o, PipelineOptions& pipeline) {
   v.integer("estimator/replace_after", &o.replace_after, 0, 1000, "sightings",
             "known identities: in a row that contradict a landmark place it anew; 0: never");
   v.integer("estimator/max_landmarks", &o.max_landmarks, 1, 1000000, "landmarks", "more are refused");
+  v.number("estimator/active_radius", &o.active_radius, 0.0, kInfinity, "m",
+           "compressed_ekf: landmarks this near the robot are filtered at every step, the others when the "
+           "robot has moved on; more than the sensor sees, or it is slow");
+  v.number("estimator/active_hysteresis", &o.active_hysteresis, 0.0, 1.0, "-",
+           "compressed_ekf: share of active_radius by which the robot has moved on");
   InitialPoseOptions& start = pipeline.initial_pose;
   v.number("estimator/initial_x", &start.x, -1e6, 1e6, "m", "where the robot starts in the map");
   v.number("estimator/initial_y", &start.y, -1e6, 1e6, "m", "where the robot starts in the map");

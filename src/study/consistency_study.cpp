@@ -222,6 +222,8 @@ const char* name_of(EstimatorOptions::Type type) {
       return "ekf";
     case EstimatorOptions::Type::kInvariantEkf:
       return "invariant_ekf";
+    case EstimatorOptions::Type::kCompressedEkf:
+      return "compressed_ekf";
     case EstimatorOptions::Type::kUkf:
       return "ukf";
     case EstimatorOptions::Type::kDeadReckoning:
