@@ -323,6 +323,11 @@ void visit(Visitor& v, EstimatorOptions& o, PipelineOptions& pipeline) {
       "FastSLAM: errors of the motion; cauchy: now and then one of many sigma");
   v.integer("estimator/seed", &o.seed, 0, std::numeric_limits<int>::max(), "-",
             "FastSLAM: of the random numbers; the same seed gives the same result");
+  v.number("estimator/active_radius", &o.active_radius, 0.0, kInfinity, "m",
+           "compressed_ekf: landmarks this near the robot are filtered at every step, the others when the "
+           "robot has moved on; more than the sensor sees, or it is slow");
+  v.number("estimator/active_hysteresis", &o.active_hysteresis, 0.0, 1.0, "-",
+           "compressed_ekf: share of active_radius by which the robot has moved on");
   InitialPoseOptions& start = pipeline.initial_pose;
   v.number("estimator/initial_x", &start.x, -1e6, 1e6, "m", "where the robot starts in the map");
   v.number("estimator/initial_y", &start.y, -1e6, 1e6, "m", "where the robot starts in the map");
