@@ -81,7 +81,7 @@ void Health::report_inputs(const SensorBridge& bridge, const ros::Time& now,
 }
 
 void Health::report_estimate(diagnostic_updater::DiagnosticStatusWrapper& status) const {
-  const double sigma = std::sqrt(std::max(pose_.covariance(0, 0), pose_.covariance(1, 1)));
+  const double sigma = std::sqrt(pose_.covariance.diagonal().head(expectation_.position_axes).maxCoeff());
   status.summary(DiagnosticStatus::OK, "estimating");
   if (paused_) status.summary(DiagnosticStatus::OK, "paused: detections are not used");
   if (nis_per_dof_ > kNisTooLarge) {

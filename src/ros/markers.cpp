@@ -1,6 +1,7 @@
 #include "kinect_ekf_slam/ros/markers.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -20,6 +21,7 @@ constexpr double kLandmarkHeight = 0.30;  // m
 constexpr double kDefaultRadius = 0.05;   // m, of a landmark that told none
 constexpr double kFlat = 0.01;            // m, height of what lies on the floor
 constexpr double kSmallest = 0.004;       // m: an ellipse stays visible
+constexpr double kLineHeight = 0.1;       // m, of a line from the robot to a cylinder
 constexpr double kThin = 0.015;           // m, width of a line
 constexpr double kWedgeLength = 0.6;      // m
 constexpr double kWidestWedge = 0.5 * kPi;
@@ -44,32 +46,47 @@ geometry_msgs::Quaternion heading_quaternion(double heading) {
   return to_quaternion(Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()).toRotationMatrix());
 }
 
-/// A flat ellipse on the floor, or nothing that pretends to be one when the covariance is none.
-bool shape_as_ellipse(const Eigen::Matrix2d& covariance, double sigmas, Marker* marker) {
-  Ellipse shape;
-  try {
-    shape = ellipse(covariance, sigmas);
-  } catch (const std::invalid_argument&) {
-    return false;
-  }
+void shape_as_ellipse(const Ellipse& shape, Marker* marker) {
   marker->scale.x = std::max(2.0 * shape.major, kSmallest);
   marker->scale.y = std::max(2.0 * shape.minor, kSmallest);
   marker->scale.z = kFlat;
   marker->pose.orientation = heading_quaternion(shape.heading);
-  return true;
+}
+
+void shape_as_ellipsoid(const Ellipsoid& shape, Marker* marker) {
+  const Eigen::Vector3d diameters = (2.0 * shape.half_axes).cwiseMax(kSmallest);
+  marker->scale = to_vector(diameters);
+  marker->pose.orientation = to_quaternion(shape.axes);
+}
+
+/// The eigenvalues of a covariance and their vectors, ascending.
+template <int kDim>
+Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kDim, kDim>> axes_of(
+    const Eigen::Matrix<double, kDim, kDim>& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kDim, kDim>> solver(covariance);
+  const double largest = solver.eigenvalues()(kDim - 1);
+  if (!covariance.allFinite() || solver.eigenvalues()(0) < -1e-9 * std::max(1.0, largest) ||
+      !(largest > 0.0)) {
+    throw std::invalid_argument("not a covariance");
+  }
+  return solver;
 }
 
 }  // namespace
 
 Ellipse ellipse(const Eigen::Matrix2d& covariance, double sigmas) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance);
-  const Eigen::Vector2d& values = solver.eigenvalues();  // ascending
-  if (!covariance.allFinite() || values(0) < -1e-9 * std::max(1.0, values(1)) || !(values(1) > 0.0)) {
-    throw std::invalid_argument("ellipse: not a covariance");
-  }
+  const auto solver = axes_of<2>(covariance);
+  const Eigen::Vector2d& values = solver.eigenvalues();
   const Eigen::Vector2d axis = solver.eigenvectors().col(1);
   return {sigmas * std::sqrt(values(1)), sigmas * std::sqrt(std::max(values(0), 0.0)),
           std::atan2(axis.y(), axis.x())};
+}
+
+Ellipsoid ellipsoid(const Eigen::Matrix3d& covariance, double sigmas) {
+  const auto solver = axes_of<3>(covariance);
+  Ellipsoid shape{sigmas * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt(), solver.eigenvectors()};
+  if (shape.axes.determinant() < 0.0) shape.axes.col(0) *= -1.0;  // mirrored: no rotation
+  return shape;
 }
 
 std_msgs::ColorRGBA label_color(const std::string& label) {
@@ -116,38 +133,60 @@ MarkerArray MarkerPainter::clear() {
   return array;
 }
 
+/// Where something is with the probability of the sigmas; nothing that pretends it when the covariance is
+/// none.
+Marker MarkerPainter::spread(const std::string& space, int id, const Eigen::Vector3d& position_in_map,
+                             const Eigen::Matrix3d& covariance) const {
+  Marker spread = marker(space, id, is_planar() ? Marker::CYLINDER : Marker::SPHERE);
+  spread.pose.position = to_point(position_in_map);
+  try {
+    if (is_planar()) {
+      shape_as_ellipse(ellipse(covariance.topLeftCorner<2, 2>(), sigmas_), &spread);
+    } else {
+      shape_as_ellipsoid(ellipsoid(covariance, sigmas_), &spread);
+    }
+  } catch (const std::invalid_argument&) {
+    spread.action = Marker::DELETE;
+  }
+  return spread;
+}
+
+Marker MarkerPainter::body_of(const Landmark3d& landmark) const {
+  const double radius = landmark.radius > 0.0 ? landmark.radius : kDefaultRadius;
+  Marker body = marker("landmarks", landmark.id, is_planar() ? Marker::CYLINDER : Marker::SPHERE);
+  body.pose.position = to_point(landmark.position_in_map);
+  body.scale.x = body.scale.y = body.scale.z = 2.0 * radius;
+  if (is_planar()) {
+    body.pose.position.z += 0.5 * kLandmarkHeight;
+    body.scale.z = kLandmarkHeight;
+  }
+  body.color = label_color(landmark.label);
+  return body;
+}
+
 void MarkerPainter::paint_landmarks(const Scene& scene, MarkerArray* array) {
   std::set<int> gone;
   gone.swap(shown_);
   for (const Landmark3d& landmark : scene.map) {
     gone.erase(landmark.id);
     shown_.insert(landmark.id);
-    const double radius = landmark.radius > 0.0 ? landmark.radius : kDefaultRadius;
-
-    Marker body = marker("landmarks", landmark.id, Marker::CYLINDER);
-    body.pose.position = to_point(landmark.position_in_map);
-    body.pose.position.z += 0.5 * kLandmarkHeight;
-    body.scale.x = body.scale.y = 2.0 * radius;
-    body.scale.z = kLandmarkHeight;
-    body.color = label_color(landmark.label);
-    array->markers.push_back(body);
+    array->markers.push_back(body_of(landmark));
+    const auto shade = array->markers.back().color;
+    const double top = is_planar() ? kLandmarkHeight : 0.5 * array->markers.back().scale.z;
 
     Marker name = marker("labels", landmark.id, Marker::TEXT_VIEW_FACING);
     name.pose.position = to_point(landmark.position_in_map);
-    name.pose.position.z += kLandmarkHeight + 0.12;
+    name.pose.position.z += top + 0.12;
     name.scale.z = 0.16;
     name.color = color(1.0, 1.0, 1.0, 1.0);
     // The blank lines lift the text above the landmark, wherever one looks from.
     name.text = std::to_string(landmark.id) + (landmark.label.empty() ? "" : " " + landmark.label) + "\n\n";
     array->markers.push_back(name);
 
-    Marker spread = marker("covariance", landmark.id, Marker::CYLINDER);
-    spread.pose.position = to_point(landmark.position_in_map);
-    spread.color = body.color;
-    spread.color.a = 0.4F;
-    if (!shape_as_ellipse(landmark.covariance.topLeftCorner<2, 2>(), sigmas_, &spread))
-      spread.action = Marker::DELETE;
-    array->markers.push_back(spread);
+    array->markers.push_back(
+        spread("covariance", landmark.id, landmark.position_in_map, landmark.covariance));
+    array->markers.back().color = shade;
+    array->markers.back().color.a = 0.4F;
   }
   for (const int id : gone) {
     for (const char* space : {"landmarks", "labels", "covariance"}) {
@@ -158,20 +197,19 @@ void MarkerPainter::paint_landmarks(const Scene& scene, MarkerArray* array) {
 }
 
 void MarkerPainter::paint_robot(const Scene& scene, MarkerArray* array) const {
-  Marker spread = marker("robot_position", 0, Marker::CYLINDER);
-  spread.pose.position = to_point(scene.pose.map_from_base.translation());
-  spread.pose.position.z += 4.0 * kFlat;
-  spread.color = color(0.65, 0.2, 0.9, 0.5);
-  if (!shape_as_ellipse(scene.pose.covariance.topLeftCorner<2, 2>(), sigmas_, &spread))
-    spread.action = Marker::DELETE;
-  array->markers.push_back(spread);
+  Marker position = spread("robot_position", 0, scene.pose.map_from_base.translation(),
+                           scene.pose.covariance.topLeftCorner<3, 3>());
+  if (is_planar()) position.pose.position.z += 4.0 * kFlat;
+  position.color = color(0.65, 0.2, 0.9, 0.5);
+  array->markers.push_back(position);
 
   Marker wedge = marker("robot_heading", 0, Marker::TRIANGLE_LIST);
   wedge.pose = to_pose(scene.pose.map_from_base);
   wedge.pose.position.z += 2.0 * kFlat;
   wedge.scale.x = wedge.scale.y = wedge.scale.z = 1.0;
   wedge.color = color(0.95, 0.85, 0.1, 0.7);
-  const double variance = scene.pose.covariance(5, 5);
+  const Eigen::Vector3d up = scene.pose.map_from_base.linear().col(2);  // the base's, about which it heads
+  const double variance = up.dot(scene.pose.covariance.bottomRightCorner<3, 3>() * up);
   const double half = std::clamp(sigmas_ * std::sqrt(std::max(variance, 0.0)), radians(0.5), kWidestWedge);
   constexpr int kSlices = 12;
   const auto edge = [&](int slice) {
@@ -215,8 +253,9 @@ void MarkerPainter::paint_associations(const Scene& scene, MarkerArray* array) c
     const auto shade = outcome.verdict == Verdict::kMatched   ? color(0.2, 0.9, 0.3, 1.0)
                        : outcome.verdict == Verdict::kCreated ? color(0.2, 0.7, 1.0, 1.0)
                                                               : color(0.9, 0.2, 0.2, 0.8);
+    const Eigen::Vector3d lift(0.0, 0.0, is_planar() ? kLineHeight : 0.0);
     for (const Eigen::Vector3d& end : {Eigen::Vector3d(scene.pose.map_from_base.translation()), target}) {
-      lines.points.push_back(to_point({end.x(), end.y(), end.z() + 0.1}));
+      lines.points.push_back(to_point(end + lift));
       lines.colors.push_back(shade);
     }
   }

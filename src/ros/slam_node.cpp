@@ -41,9 +41,10 @@ SlamNode::SlamNode(const ros::NodeHandle& handle, const ros::NodeHandle& private
                 [](const std::string& line) { ROS_WARN_THROTTLE(kLogPeriod, "%s", line.c_str()); }}),
       health_({handle_.resolveName(options.sync.odometry_topic),
                options.sync.imu_topic.empty() ? "none" : handle_.resolveName(options.sync.imu_topic),
-               handle_.resolveName(options.sync.landmarks_topic), options.output.pose_sigma_warning},
+               handle_.resolveName(options.sync.landmarks_topic), options.output.pose_sigma_warning,
+               options.pipeline.space == SpaceType::kSpatial ? 3 : 2},
               ros::Time::now()),
-      painter_(options.frames.map, options.output.marker_sigmas),
+      painter_(options.frames.map, options.output.marker_sigmas, options.pipeline.space),
       path_(options.output.path_step, static_cast<std::size_t>(options.output.path_length)),
       dead_reckoned_path_(options.output.path_step, static_cast<std::size_t>(options.output.path_length)),
       diagnostics_(handle_, private_handle_) {
@@ -169,10 +170,11 @@ void SlamNode::on_initial_pose(const geometry_msgs::PoseWithCovarianceStamped::C
     ROS_WARN("initialpose: ignored, its pose or covariance is not finite or not positive");
     return;
   }
-  if (has_covariance) {
-    pose.covariance = symmetric;
-  } else {  // unknown is not zero
-    pose.covariance.diagonal() << 0.25, 0.25, 0.25, 0.07, 0.07, 0.07;
+  if (has_covariance) pose.covariance = symmetric;
+  Eigen::Matrix<double, 6, 1> usual;  // m^2 and rad^2, what RViz gives for x, y and yaw alone
+  usual << 0.25, 0.25, 0.25, 0.07, 0.07, 0.07;
+  for (int axis = 0; axis < 6; ++axis) {  // unknown is not zero
+    if (!has_covariance || !(symmetric(axis, axis) > 0.0)) pose.covariance(axis, axis) = usual(axis);
   }
   session_.set_pose(pose);
   scene_changed_ = true;

@@ -41,6 +41,26 @@ TEST(RoomStudy, TheMapIsBetterThanDeadReckonings) {
   EXPECT_LT(2.0 * slam.path_rmse.mean, open_loop.path_rmse.mean);
 }
 
+/// Three coordinates each, seen from a robot that climbs, dives and banks.
+TEST(RoomStudy, InSpaceTheLandmarksAreFoundToFiveCentimetres) {
+  for (const char* type : {"ekf", "invariant_ekf", "ukf"}) {
+    const RoomSummary summary =
+        study("room_3d.yaml", 20, {"estimator/space=spatial", std::string("estimator/type=") + type});
+    EXPECT_EQ(summary.pose_dof, 6);
+    EXPECT_EQ(summary.exact_count_share, 1.0) << type;
+    EXPECT_LE(summary.landmark_rmse_aligned.mean, 0.03) << type;
+    EXPECT_LE(summary.landmark_rmse_aligned.worst, 0.05) << type;
+    EXPECT_LE(summary.nees.mean, summary.nees_high) << type << ": not surer of the pose than it may be";
+  }
+}
+
+/// A robot on the floor, estimated as if it could fly: the floor is found to be flat.
+TEST(RoomStudy, InSpaceTheFloorIsFlat) {
+  const RoomSummary summary = study("room.yaml", 20, {"estimator/space=spatial"});
+  EXPECT_EQ(summary.exact_count_share, 1.0);
+  EXPECT_LE(summary.landmark_rmse_aligned.mean, 0.05);
+}
+
 TEST(RoomStudy, TheSameSeedsGiveTheSameFigures) {
   const RoomSummary first = study("room.yaml", 4, {});
   const RoomSummary second = study("room.yaml", 4, {});

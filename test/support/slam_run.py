@@ -114,14 +114,14 @@ class SlamRun:
     # which are sent once, may reach the node after the first data on a loaded machine: it waits for them.
     DEFAULTS = {"output/marker_rate": 50.0, "diagnostic_period": 0.1, "frames/tf_timeout": 5.0}
 
-    def __init__(self, overrides=None, map_directory=None, start=None, **scenario_options):
+    def __init__(self, overrides=None, map_directory=None, start=None, mountings=None, **scenario_options):
         self.namespace = "/run_%d" % next(_numbers)
         self._own_directory = None if map_directory else tempfile.mkdtemp(prefix="slam_maps_")
         self.map_directory = map_directory or self._own_directory
         self.scenario = scenario.Scenario(recent_start() if start is None else start, **scenario_options)
         self._inputs = {}
         self._recorders = {}
-        self._publish_mountings()
+        self._publish_mountings(mountings or scenario.mountings())
         self.process = SlamProcess(self.namespace,
                                    {**self.DEFAULTS, "map/directory": self.map_directory, **(overrides or {})})
         self._connect()
@@ -236,9 +236,9 @@ class SlamRun:
 
     # -------------------------------------------------------------------------------------------------------------
 
-    def _publish_mountings(self):
+    def _publish_mountings(self, mountings):
         self._mountings = rospy.Publisher(self.namespace + "/tf_static", TFMessage, queue_size=1, latch=True)
-        self._mountings.publish(TFMessage(scenario.mountings()))
+        self._mountings.publish(TFMessage(mountings))
 
     def _connect(self):
         kinds = {"odom": Odometry, "imu": Imu, "landmarks": LandmarkDetectionArray,

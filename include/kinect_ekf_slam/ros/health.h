@@ -21,6 +21,7 @@ class Health {
     std::string imu_topic;
     std::string landmarks_topic;
     double position_sigma_warning = 0.5;  ///< m
+    Eigen::Index position_axes = 2;       ///< that are estimated: 2 in the plane, 3 in space
   };
 
   Health(Expectation expectation, const ros::Time& start)

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "kinect_ekf_slam/pipeline/options.h"
 #include "kinect_ekf_slam/pipeline/slam_result.h"
 
 namespace kinect_ekf_slam {
@@ -23,6 +24,15 @@ struct Ellipse {
 /// Throws std::invalid_argument for a covariance that is not finite or not positive semi-definite.
 Ellipse ellipse(const Eigen::Matrix2d& covariance, double sigmas);
 
+/// Half axes (m) of the ellipsoid that holds the points within `sigmas` of a 3-D Gaussian, the longest last.
+struct Ellipsoid {
+  Eigen::Vector3d half_axes = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< their directions as columns: a rotation
+};
+
+/// Throws std::invalid_argument likewise.
+Ellipsoid ellipsoid(const Eigen::Matrix3d& covariance, double sigmas);
+
 /// The colour of a label: its own where it names one, else one that stays the same for the same label.
 std_msgs::ColorRGBA label_color(const std::string& label);
 
@@ -35,10 +45,12 @@ struct Scene {
   std::vector<geometry_msgs::Point> dead_reckoned_path;
 };
 
-/// Turns scenes into markers; remembers which landmarks are shown, to remove those that have gone.
+/// Turns scenes into markers; remembers which landmarks are shown, to remove those that have gone. In the
+/// plane landmarks are cylinders that stand on flat ellipses, in space balls in ellipsoids.
 class MarkerPainter {
  public:
-  MarkerPainter(std::string frame_id, double sigmas) : frame_id_(std::move(frame_id)), sigmas_(sigmas) {}
+  MarkerPainter(std::string frame_id, double sigmas, SpaceType space = SpaceType::kPlanar)
+      : frame_id_(std::move(frame_id)), sigmas_(sigmas), space_(space) {}
 
   visualization_msgs::MarkerArray paint(const Scene& scene);
   /// Removes everything that was ever painted.
@@ -48,6 +60,10 @@ class MarkerPainter {
 
  private:
   visualization_msgs::Marker marker(const std::string& space, int id, int type) const;
+  visualization_msgs::Marker body_of(const Landmark3d& landmark) const;
+  visualization_msgs::Marker spread(const std::string& space, int id, const Eigen::Vector3d& position_in_map,
+                                    const Eigen::Matrix3d& covariance) const;
+  bool is_planar() const { return space_ == SpaceType::kPlanar; }
   void paint_landmarks(const Scene& scene, visualization_msgs::MarkerArray* array);
   void paint_robot(const Scene& scene, visualization_msgs::MarkerArray* array) const;
   void paint_associations(const Scene& scene, visualization_msgs::MarkerArray* array) const;
@@ -56,6 +72,7 @@ class MarkerPainter {
 
   std::string frame_id_;
   double sigmas_;
+  SpaceType space_;
   ros::Time stamp_;
   std::set<int> shown_;
 };

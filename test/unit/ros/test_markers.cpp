@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <limits>
+#include <random>
 #include <stdexcept>
 
 #include "kinect_ekf_slam/core/angles.h"
+#include "kinect_ekf_slam/ros/conversions.h"
 #include "kinect_ekf_slam/ros/trail.h"
 #include "test/support/matchers.h"
 
@@ -13,6 +16,7 @@ namespace kinect_ekf_slam {
 namespace {
 
 using testing::AngleNear;
+using testing::MatrixNear;
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
@@ -46,6 +50,34 @@ TEST(Ellipse, IsRefusedWhereTheCovarianceIsNone) {
   EXPECT_THROW(ellipse(Eigen::Matrix2d::Constant(kNan), 3.0), std::invalid_argument);
 }
 
+/// Covariance with these standard deviations along axes that are turned by `rotation`.
+Eigen::Matrix3d turned(const Eigen::Vector3d& sigmas, const Eigen::Quaterniond& rotation) {
+  return rotation * sigmas.cwiseAbs2().asDiagonal() * rotation.conjugate();
+}
+
+TEST(Ellipsoid, HasTheAxesOfTheCovarianceAndIsNeverMirrored) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> any;
+  const Eigen::Vector3d sigmas(0.1, 0.3, 0.2);
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Quaterniond rotation =
+        rotation_exp(Eigen::Vector3d::NullaryExpr([&] { return any(random); }));
+    const Eigen::Matrix3d covariance = turned(sigmas, rotation);
+    const Ellipsoid shape = ellipsoid(covariance, 3.0);
+    EXPECT_TRUE(MatrixNear(shape.half_axes, Eigen::Vector3d(0.3, 0.6, 0.9), 1e-12));
+    EXPECT_NEAR(shape.axes.determinant(), 1.0, 1e-12) << "RViz takes a rotation";
+    const Eigen::Matrix3d again =
+        shape.axes * (shape.half_axes / 3.0).cwiseAbs2().asDiagonal() * shape.axes.transpose();
+    EXPECT_TRUE(MatrixNear(again, covariance, 1e-12));
+  }
+}
+
+TEST(Ellipsoid, IsRefusedWhereTheCovarianceIsNone) {
+  EXPECT_THROW(ellipsoid(Eigen::Matrix3d::Zero(), 3.0), std::invalid_argument);
+  EXPECT_THROW(ellipsoid(Eigen::Vector3d(1.0, -0.1, 1.0).asDiagonal(), 3.0), std::invalid_argument);
+  EXPECT_THROW(ellipsoid(Eigen::Matrix3d::Constant(kNan), 3.0), std::invalid_argument);
+}
+
 Landmark3d landmark(int id, const std::string& label = "") {
   Landmark3d landmark;
   landmark.id = id;
@@ -76,20 +108,46 @@ TEST(MarkerPainter, DrawsEllipsesAtTheSigmasAskedFor) {
   EXPECT_EQ(spread->header.frame_id, "map");
 }
 
+TEST(MarkerPainter, DrawsEllipsoidsInSpace) {
+  const Eigen::Quaterniond rotation = rotation_exp({0.4, -0.3, 0.8});
+  Scene scene{{landmark(1, "red")}, {}, {}, {}, {}};
+  scene.map[0].position_in_map = {1.0, 2.0, 3.0};
+  scene.map[0].radius = 0.1;
+  scene.map[0].covariance = scene.pose.covariance.topLeftCorner<3, 3>() = turned({0.1, 0.2, 0.3}, rotation);
+  MarkerPainter painter("map", 2.0, SpaceType::kSpatial);
+  const MarkerArray array = painter.paint(scene);
+  for (const auto& [space, id] : {std::pair("covariance", 1), {"robot_position", 0}}) {
+    const Marker* spread = find(array, space, id);
+    ASSERT_NE(spread, nullptr);
+    EXPECT_EQ(spread->type, Marker::SPHERE);
+    EXPECT_TRUE(MatrixNear(to_eigen(spread->scale), 2.0 * 2.0 * Eigen::Vector3d(0.1, 0.2, 0.3), 1e-9));
+    const Eigen::Matrix3d axes = to_eigen(spread->pose).linear();
+    EXPECT_TRUE(MatrixNear((axes.transpose() * rotation.toRotationMatrix()).cwiseAbs(),
+                           Eigen::Matrix3d::Identity(), 1e-9))
+        << "the same axes, whichever way they point";
+  }
+  const Marker* body = find(array, "landmarks", 1);
+  EXPECT_EQ(body->type, Marker::SPHERE);
+  EXPECT_EQ(body->pose.position.z, 3.0);
+  EXPECT_EQ(body->scale.z, 0.2);
+}
+
 TEST(MarkerPainter, NeverDrawsAnUnknownCovarianceAsZero) {
   for (const Eigen::Matrix3d& unknown :
        {Eigen::Matrix3d(Eigen::Matrix3d::Zero()), Eigen::Matrix3d(Eigen::Matrix3d::Constant(kNan)),
         Eigen::Matrix3d(-Eigen::Matrix3d::Identity())}) {
-    MarkerPainter painter("map", 3.0);
-    Scene scene{{landmark(1)}, {}, {}, {}, {}};
-    scene.map[0].covariance = unknown;
-    scene.pose.covariance.topLeftCorner<3, 3>() = unknown;
-    scene.pose.covariance(5, 5) = kNan;
-    const MarkerArray array = painter.paint(scene);
-    EXPECT_EQ(find(array, "covariance", 1)->action, Marker::DELETE);
-    EXPECT_EQ(find(array, "landmarks", 1)->action, Marker::ADD);
-    EXPECT_EQ(find(array, "robot_position")->action, Marker::DELETE);
-    EXPECT_EQ(find(array, "robot_heading")->action, Marker::DELETE);
+    for (const SpaceType space : {SpaceType::kPlanar, SpaceType::kSpatial}) {
+      MarkerPainter painter("map", 3.0, space);
+      Scene scene{{landmark(1)}, {}, {}, {}, {}};
+      scene.map[0].covariance = unknown;
+      scene.pose.covariance.topLeftCorner<3, 3>() = unknown;
+      scene.pose.covariance(5, 5) = kNan;
+      const MarkerArray array = painter.paint(scene);
+      EXPECT_EQ(find(array, "covariance", 1)->action, Marker::DELETE);
+      EXPECT_EQ(find(array, "landmarks", 1)->action, Marker::ADD);
+      EXPECT_EQ(find(array, "robot_position")->action, Marker::DELETE);
+      EXPECT_EQ(find(array, "robot_heading")->action, Marker::DELETE);
+    }
   }
 }
 

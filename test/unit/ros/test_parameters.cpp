@@ -59,12 +59,12 @@ TEST(Parameters, SayWhichRequiredKeyIsMissing) {
 
 TEST(Parameters, SayWhichNamesAreKnown) {
   EXPECT_EQ(refusal("estimator/type=kalman"),
-            "estimator/type: 'kalman' given, allowed: one of ekf, dead_reckoning");
+            "estimator/type: 'kalman' given, allowed: one of ekf, invariant_ekf, ukf, dead_reckoning");
   EXPECT_EQ(refusal("association/type=best"),
             "association/type: 'best' given, allowed: one of known, nearest_neighbor");
   EXPECT_EQ(refusal("mode=mapping"), "mode: 'mapping' given, allowed: one of slam, localization");
   EXPECT_EQ(refusal("estimator/space=hyperbolic"),
-            "estimator/space: 'hyperbolic' given, allowed: one of planar");
+            "estimator/space: 'hyperbolic' given, allowed: one of planar, spatial");
   EXPECT_EQ(refusal("mode=[slam]"), "mode: '[slam]' given, allowed: one of slam, localization");
 }
 
