@@ -5,6 +5,7 @@
 
 #include "kinect_ekf_slam/core/atomic_file.h"
 #include "kinect_ekf_slam/ros/command_line.h"
+#include "kinect_ekf_slam/ros/kidnapped_study.h"
 #include "kinect_ekf_slam/ros/parameters.h"
 #include "kinect_ekf_slam/ros/room_study.h"
 #include "kinect_ekf_slam/simulation/world.h"
@@ -12,13 +13,14 @@
 namespace {
 
 constexpr const char* kUsage =
-    "usage: slam_study room [--world FILE.yaml] [--seeds N] [--config FILE.yaml] [--set group/key=value "
-    "...]\n"
-    "                       [--json FILE]\n"
+    "usage: slam_study room|kidnapped [--world FILE.yaml] [--seeds N] [--config FILE.yaml]\n"
+    "                       [--set group/key=value ...] [--json FILE]\n"
     "\n"
     "Simulates one world with many seeds, runs each through the SLAM pipeline in memory, and compares with "
     "the\n"
     "truth.\n"
+    "  room                    the robot maps the world\n"
+    "  kidnapped               robots put down anywhere look for themselves in its map; not with --json\n"
     "  --world FILE.yaml       default: config/worlds/room.yaml\n"
     "  --seeds N               seeds 1 to N; default: 100\n"
     "  --config FILE.yaml      parameters that differ from config/slam.yaml; may be given more than once\n"
@@ -29,6 +31,7 @@ constexpr const char* kUsage =
 constexpr int kMostSeeds = 1000000;
 
 struct Arguments {
+  std::string subcommand;
   std::string world = "config/worlds/room.yaml";
   int seeds = 100;
   std::vector<std::string> configs;
@@ -38,7 +41,6 @@ struct Arguments {
 
 Arguments parse(kinect_ekf_slam::CommandLine* words) {
   Arguments arguments;
-  std::string subcommand;
   while (words->next()) {
     const std::string& word = words->word();
     if (word == "--world") {
@@ -55,14 +57,31 @@ Arguments parse(kinect_ekf_slam::CommandLine* words) {
       arguments.json = words->value();
     } else if (words->is_option()) {
       words->fail_at_word("unknown option");
-    } else if (subcommand.empty()) {
-      subcommand = word;
+    } else if (arguments.subcommand.empty()) {
+      arguments.subcommand = word;
     } else {
       words->fail_at_word("one study at a time");
     }
   }
-  if (subcommand != "room") words->fail("'" + subcommand + "' given, allowed: room; see --help");
+  if (arguments.subcommand != "room" && arguments.subcommand != "kidnapped") {
+    words->fail("'" + arguments.subcommand + "' given, allowed: room, kidnapped; see --help");
+  }
   return arguments;
+}
+
+void lose_robots(const Arguments& arguments, const kinect_ekf_slam::RoomStudy& room) {
+  kinect_ekf_slam::KidnappedStudy study;
+  study.world = room.world;
+  study.pipeline = room.pipeline;
+  study.robots = arguments.seeds;
+  study.on_progress = room.on_progress;
+  for (const bool looks : {true, false}) {
+    study.looks = looks;
+    const auto runs = kinect_ekf_slam::run_study(study);
+    kinect_ekf_slam::clear_progress_bar();
+    const std::string title = looks ? "with labels and radii" : "without";
+    std::fputs(kinect_ekf_slam::to_table(title, runs).c_str(), stdout);
+  }
 }
 
 }  // namespace
@@ -81,6 +100,10 @@ int main(int argc, char** argv) {
         }).pipeline;
     study.seeds = arguments.seeds;
     study.on_progress = kinect_ekf_slam::progress_bar();
+    if (arguments.subcommand == "kidnapped") {
+      lose_robots(arguments, study);
+      return 0;
+    }
     const std::vector<kinect_ekf_slam::RoomRun> runs = kinect_ekf_slam::run_study(study);
     const kinect_ekf_slam::RoomSummary summary = kinect_ekf_slam::summarize(runs);
     kinect_ekf_slam::clear_progress_bar();

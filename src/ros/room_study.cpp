@@ -2,17 +2,14 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <limits>
-#include <mutex>
-#include <thread>
 
 #include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/core/chi_square.h"
 #include "kinect_ekf_slam/pipeline/slam_pipeline.h"
+#include "kinect_ekf_slam/ros/parallel.h"
 
 namespace kinect_ekf_slam {
 namespace {
@@ -131,33 +128,9 @@ SensorFrame to_sensor_frame(const Sample& sample, const World& world) {
 }
 
 std::vector<RoomRun> run_study(const RoomStudy& study) {
-  const auto count = static_cast<std::size_t>(study.seeds);
-  std::vector<RoomRun> runs(count);
-  std::atomic<std::size_t> next{0};
-  std::atomic<std::size_t> done{0};
-  std::exception_ptr problem;
-  std::mutex problem_mutex;
-  const auto work = [&](bool reports) {
-    try {
-      for (std::size_t i = next++; i < count; i = next++) {
-        runs[i] = run_room(study, study.first_seed + i);
-        ++done;
-        if (reports && study.on_progress) {
-          study.on_progress(static_cast<double>(done) / static_cast<double>(count));
-        }
-      }
-    } catch (...) {
-      const std::lock_guard<std::mutex> lock(problem_mutex);
-      problem = std::current_exception();
-      next = count;
-    }
-  };
-  std::vector<std::thread> threads;
-  const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
-  for (unsigned i = 1; i < cores; ++i) threads.emplace_back(work, false);
-  work(true);
-  for (std::thread& thread : threads) thread.join();
-  if (problem) std::rethrow_exception(problem);
+  std::vector<RoomRun> runs(static_cast<std::size_t>(study.seeds));
+  parallel_for(runs.size(), study.on_progress,
+               [&](std::size_t i) { runs[i] = run_room(study, study.first_seed + i); });
   return runs;
 }
 

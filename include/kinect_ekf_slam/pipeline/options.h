@@ -28,6 +28,8 @@ struct PipelineOptions {
   AssociationOptions association;
   InitialPoseOptions initial_pose;
   Mode mode = Mode::kSlam;
+  bool relocalize_when_lost =
+      false;  ///< localisation only: look for the robot when what it sees is not there
 };
 
 }  // namespace kinect_ekf_slam
