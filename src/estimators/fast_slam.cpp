@@ -54,9 +54,7 @@ FastSlam<Space>::FastSlam(const EstimatorOptions& options,
 
 template <class Space>
 void FastSlam<Space>::predict(const MotionStep<Space>& step) {
-  const auto A = step.delta.inverse().adjoint();  // brings the error so far to the step's end
-  const typename Space::PoseMatrix covariance = A * motion_.covariance * A.transpose() + step.covariance;
-  motion_ = {motion_.delta * step.delta, covariance.template selfadjointView<Eigen::Lower>()};
+  motion_ = compound(motion_, step);
 }
 
 template <class Space>
@@ -224,8 +222,7 @@ double FastSlam<Space>::log_unexplained(const Observation<Space>& observation) c
   const double doubt =
       options_.robust_threshold > 0.0 ? std::max(1.0, distance / options_.robust_threshold) : 1.0;
   const PointMatrix noise = doubt * observation.covariance;
-  Gaussian<kPointDim> exact;
-  const auto fit = correct<kPointDim, kPointDim>(Point::Zero(), PointMatrix::Identity(), noise, &exact);
+  const auto fit = fit_of<kPointDim>(Point::Zero(), noise);
   return (fit ? fit->log_likelihood : 0.0) - 0.5 * distance / doubt;
 }
 

@@ -8,6 +8,7 @@
 #include "kinect_ekf_slam/ros/parameters.h"
 #include "kinect_ekf_slam/simulation/world.h"
 #include "kinect_ekf_slam/study/consistency_study.h"
+#include "kinect_ekf_slam/study/kidnapped_study.h"
 #include "kinect_ekf_slam/study/room_study.h"
 
 namespace {
@@ -16,12 +17,14 @@ constexpr const char* kUsage =
     "usage: slam_study room [--world FILE.yaml] [--seeds N] [--config FILE.yaml] [--set group/key=value "
     "...]\n"
     "                       [--json FILE]\n"
+    "       slam_study kidnapped [--world FILE.yaml] [--seeds N] [--config FILE.yaml] [--set group/key=value "
+    "...]\n"
     "       slam_study consistency [--space planar|spatial] [--sensor kinect|far] [--seeds N] [--loops N]\n"
     "                       [--json FILE]\n"
     "\n"
     "room: simulates one world with many seeds, runs each through the SLAM pipeline in memory, and compares "
     "with\n"
-    "the truth.\n"
+    "the truth. kidnapped: robots put down anywhere in the world look for themselves in its map.\n"
     "  --world FILE.yaml       default: config/worlds/room.yaml\n"
     "  --config FILE.yaml      parameters that differ from config/slam.yaml; may be given more than once\n"
     "  --set group/key=value   one parameter, over all files\n"
@@ -30,9 +33,9 @@ constexpr const char* kUsage =
     "  --space                 default: planar\n"
     "  --sensor                kinect: 0.6 to 2.6 m, far: up to 5 m, both 57 degrees wide; default: kinect\n"
     "  --loops N               default: 10\n"
-    "Both:\n"
+    "All:\n"
     "  --seeds N               seeds 1 to N; default: 100, consistency: 50\n"
-    "  --json FILE             write the figures, also those of each seed or time, there\n"
+    "  --json FILE             write the figures, also those of each seed or time, there; not of kidnapped\n"
     "Exit: 0 done, 2 the input cannot be used (one line says why).\n";
 
 constexpr int kMostSeeds = 1000000;
@@ -59,41 +62,68 @@ void write(const std::string& path, const std::string& json) {
   if (!path.empty()) kinect_ekf_slam::write_file_atomically(path, json);
 }
 
-void study_room(CommandLine* words) {
+/// A study of a simulated room, and where its figures go.
+struct RoomRequest {
+  kinect_ekf_slam::RoomStudy study;
+  std::string json;
+};
+
+RoomRequest parse_room(CommandLine* words) {
+  RoomRequest request;
   std::string world = "config/worlds/room.yaml";
   std::vector<std::string> configs;
   std::vector<std::string> settings;
-  std::string json;
-  kinect_ekf_slam::RoomStudy study;
   while (words->next()) {
     const std::string& word = words->word();
     if (word == "--world") {
       world = words->value();
     } else if (word == "--seeds") {
-      study.seeds = seed_count(words);
+      request.study.seeds = seed_count(words);
     } else if (word == "--config") {
       configs.push_back(words->value());
     } else if (word == "--set") {
       const std::vector<std::string> more = words->assignments();
       settings.insert(settings.end(), more.begin(), more.end());
     } else if (word == "--json") {
-      json = words->value();
+      request.json = words->value();
     } else {
-      words->fail_at_word("unknown option of room");
+      words->fail_at_word("unknown option of this study");
     }
   }
-  study.world = kinect_ekf_slam::read_world(world);
-  if (study.world.drive.waypoints_in_world.empty())
+  request.study.world = kinect_ekf_slam::read_world(world);
+  if (request.study.world.drive.waypoints_in_world.empty())
     words->fail(world + ": drive/waypoints: none to drive to");
-  study.pipeline = kinect_ekf_slam::read_run_options(configs, settings, [](const std::string& line) {
-                     std::fprintf(stderr, "slam_study: warning: %s\n", line.c_str());
-                   }).pipeline;
-  study.on_progress = kinect_ekf_slam::progress_bar();
-  const std::vector<kinect_ekf_slam::RoomRun> runs = kinect_ekf_slam::run_study(study);
+  request.study.pipeline = kinect_ekf_slam::read_run_options(configs, settings, [](const std::string& line) {
+                             std::fprintf(stderr, "slam_study: warning: %s\n", line.c_str());
+                           }).pipeline;
+  request.study.on_progress = kinect_ekf_slam::progress_bar();
+  return request;
+}
+
+void study_room(CommandLine* words) {
+  const RoomRequest request = parse_room(words);
+  const std::vector<kinect_ekf_slam::RoomRun> runs = kinect_ekf_slam::run_study(request.study);
   const kinect_ekf_slam::RoomSummary summary = kinect_ekf_slam::summarize(runs);
   kinect_ekf_slam::clear_progress_bar();
   std::fputs(kinect_ekf_slam::to_table(summary).c_str(), stdout);
-  write(json, kinect_ekf_slam::to_json(summary, runs));
+  write(request.json, kinect_ekf_slam::to_json(summary, runs));
+}
+
+void study_kidnapped(CommandLine* words) {
+  const RoomRequest request = parse_room(words);
+  if (!request.json.empty()) words->fail("--json: kidnapped writes none");
+  if (request.study.world.is_spatial()) words->fail("kidnapped: the world must be a planar one");
+  kinect_ekf_slam::KidnappedStudy study;
+  study.world = request.study.world;
+  study.pipeline = request.study.pipeline;
+  study.robots = request.study.seeds;
+  study.on_progress = request.study.on_progress;
+  for (const bool looks : {true, false}) {
+    study.looks = looks;
+    const auto runs = kinect_ekf_slam::run_study(study);
+    kinect_ekf_slam::clear_progress_bar();
+    std::fputs(kinect_ekf_slam::to_table(looks ? "with labels and radii" : "without", runs).c_str(), stdout);
+  }
 }
 
 void study_consistency(CommandLine* words) {
@@ -142,8 +172,10 @@ int main(int argc, char** argv) {
       study_room(&words);
     } else if (study == "consistency") {
       study_consistency(&words);
+    } else if (study == "kidnapped") {
+      study_kidnapped(&words);
     } else {
-      words.fail("'" + study + "' given, allowed: room, consistency; see --help");
+      words.fail("'" + study + "' given, allowed: room, kidnapped, consistency; see --help");
     }
   } catch (const std::exception& error) {
     words.fail(error.what());

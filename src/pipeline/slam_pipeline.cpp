@@ -8,6 +8,7 @@
 
 #include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/estimators/factory.h"
+#include "kinect_ekf_slam/pipeline/relocalizer.h"
 
 namespace kinect_ekf_slam {
 namespace {
@@ -78,7 +79,9 @@ template <class Space>
 class SpacePipeline : public SlamPipeline {
  public:
   explicit SpacePipeline(const PipelineOptions& options)
-      : sensor_(options.sensor),
+      : seed_(options.estimator.seed),
+        relocalize_when_lost_(options.relocalize_when_lost),
+        sensor_(options.sensor),
         motion_(options.input, options.motion),
         estimator_(make_estimator<Space>(options.estimator, options.association,
                                          to_estimate<Space>(initial_pose(options.initial_pose)))),
@@ -90,6 +93,7 @@ class SpacePipeline : public SlamPipeline {
     const bool late = motion_.started() && frame.stamp < motion_.now();
     if (const auto step = motion_.advance(frame)) {
       estimator_->predict(*step);
+      relocalizer_.predict(*step);
       dead_reckoned_ = dead_reckoned_ * step->delta;
     }
     SlamResult result;
@@ -99,6 +103,7 @@ class SpacePipeline : public SlamPipeline {
     }
     result.pose = to_3d<Space>(motion_.now(), estimator_->pose());
     result.dead_reckoned = Space::to_3d(dead_reckoned_);
+    result.localization = relocalizer_.state();
     result.finite = result.pose.map_from_base.matrix().allFinite() && result.pose.covariance.allFinite();
     return result;
   }
@@ -155,15 +160,37 @@ class SpacePipeline : public SlamPipeline {
     estimator_->restore({Space::pose_from_vector(saved.pose), std::move(infos),
                          Eigen::Map<const Eigen::VectorXd>(points.data(), points.size()), saved.covariance});
     if (!keep_saved_pose) estimator_->set_pose(present);
+    relocalizer_.stop();
     dead_reckoned_ = estimator_->pose().map_from_base;
   }
 
   void set_pose(const Pose3d& pose) override {
     estimator_->set_pose(to_estimate<Space>(pose));
+    relocalizer_.stop();
     dead_reckoned_ = estimator_->pose().map_from_base;
   }
 
-  void set_mode(Mode mode) override { estimator_->set_map_fixed(mode == Mode::kLocalization); }
+  void set_mode(Mode mode) override {
+    mode_ = mode;
+    relocalizer_.stop();
+    estimator_->set_map_fixed(mode == Mode::kLocalization);
+  }
+
+  void relocalize() override {
+    auto map = estimator_->landmarks();
+    if (mode_ != Mode::kLocalization || map.empty()) {
+      throw std::invalid_argument("the robot is looked for in mode localization, with a map");
+    }
+    PoseEstimate<Space> unknown = estimator_->pose();
+    constexpr double kUnknown = 10.0;  // m; a turn of any angle has the variance pi^2 / 3
+    unknown.covariance.setIdentity();
+    unknown.covariance *= kPi * kPi / 3.0;
+    unknown.covariance.template topLeftCorner<Space::kPointDim, Space::kPointDim>() *= kUnknown * kUnknown;
+    estimator_->set_pose(unknown);
+    LocalizationOptions options;
+    options.seed = seed_;
+    relocalizer_.start(options, std::move(map));
+  }
 
   void set_live_options(const PipelineOptions& options) override {
     sensor_ = options.sensor;
@@ -199,7 +226,7 @@ class SpacePipeline : public SlamPipeline {
       }
     }
     if (!observations.empty()) {
-      const UpdateReport report = estimator_->observe(motion_.now(), observations);
+      const UpdateReport report = estimate(observations);
       result->nis = report.nis;
       result->dof = report.dof;
       for (std::size_t k = 0; k < observations.size(); ++k) {
@@ -215,8 +242,28 @@ class SpacePipeline : public SlamPipeline {
     }
   }
 
+  UpdateReport estimate(const std::vector<Observation<Space>>& observations) {
+    UpdateReport report;
+    if (relocalizer_.is_searching()) {
+      report.assignments.assign(observations.size(), {Verdict::kAmbiguous});
+      if (const auto found = relocalizer_.search(observations)) {
+        estimator_->set_pose(*found);
+        dead_reckoned_ = found->map_from_base;
+      }
+      return report;
+    }
+    report = estimator_->observe(motion_.now(), observations);
+    const bool may_search = mode_ == Mode::kLocalization && relocalize_when_lost_;
+    if (may_search && relocalizer_.is_lost(report) && !estimator_->landmarks().empty()) relocalize();
+    return report;
+  }
+
+  Mode mode_ = Mode::kSlam;
+  int seed_;
+  bool relocalize_when_lost_;
   SensorOptions sensor_;
   Motion<Space> motion_;
+  Relocalizer<Space> relocalizer_;
   std::unique_ptr<SlamEstimator<Space>> estimator_;
   typename Space::Pose dead_reckoned_;
 };

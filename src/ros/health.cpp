@@ -14,6 +14,18 @@ constexpr double kSilence = 3.0;      // s without odometry before that is a war
 constexpr double kNisMemory = 50.0;   // updates
 constexpr double kNisTooLarge = 3.0;  // mean of nu^T S^-1 nu per degree of freedom
 
+const char* to_string(Localization localization) {
+  switch (localization) {
+    case Localization::kTracking:
+      return "tracking";
+    case Localization::kSearching:
+      return "searching";
+    case Localization::kFound:
+      return "found";
+  }
+  return "";
+}
+
 }  // namespace
 
 void Health::note_input(const std::string& input, const ros::Time& now) {
@@ -24,6 +36,7 @@ void Health::note_input(const std::string& input, const ros::Time& now) {
 
 void Health::note_result(const SlamResult& result) {
   finite_ = result.finite;
+  localization_ = result.localization;
   for (const DetectionOutcome& outcome : result.outcomes)
     ++verdicts_[static_cast<std::size_t>(outcome.verdict)];
   if (result.looked) ++looked_;
@@ -46,6 +59,7 @@ void Health::reset_estimate() {
   looked_ = 0;
   saw_nothing_ = 0;
   finite_ = true;
+  localization_ = Localization::kTracking;
   landmarks_ = 0;
 }
 
@@ -90,9 +104,12 @@ void Health::report_estimate(diagnostic_updater::DiagnosticStatusWrapper& status
   }
   if (sigma > expectation_.position_sigma_warning)
     status.summary(DiagnosticStatus::WARN, "the position is uncertain");
+  if (localization_ == Localization::kSearching)
+    status.summary(DiagnosticStatus::WARN, "searching for the robot in the map: its pose is unknown");
   if (!finite_)
     status.summary(DiagnosticStatus::ERROR, "the estimate is not finite; output stopped; call ~reset");
   status.add("mode", mode_);
+  status.add("localization", to_string(localization_));
   status.add("paused", paused_ ? "yes" : "no");
   status.add("landmarks", landmarks_);
   status.addf("position sigma (m)", "%.4f", sigma);

@@ -394,6 +394,8 @@ void visit(Visitor& v, RunOptions& o) {
   visit(v, o.pipeline.estimator, o.pipeline);
   visit(v, o.pipeline.association);
   visit(v, o.map);
+  v.boolean("map/relocalize_when_lost", &o.pipeline.relocalize_when_lost,
+            "localization: when most of what is seen is not in the map, look for the robot all over it");
   visit(v, o.output);
   if (std::abs(o.sync.odometry_delay) > o.sync.detection_delay) {
     throw ParameterError("input/odometry_delay: " + text_of(o.sync.odometry_delay) +

@@ -72,7 +72,8 @@ void SlamNode::connect() {
                private_handle_.advertiseService(names::kLoadMap, &SlamNode::load_map, this),
                private_handle_.advertiseService(names::kReset, &SlamNode::reset, this),
                private_handle_.advertiseService(names::kPause, &SlamNode::pause, this),
-               private_handle_.advertiseService(names::kSetMode, &SlamNode::set_mode, this)};
+               private_handle_.advertiseService(names::kSetMode, &SlamNode::set_mode, this),
+               private_handle_.advertiseService(names::kRelocalize, &SlamNode::relocalize, this)};
   subscribers_ = {handle_.subscribe(sync.odometry_topic, queue, &SlamNode::on_odometry, this),
                   handle_.subscribe(sync.landmarks_topic, queue, &SlamNode::on_landmarks, this),
                   handle_.subscribe(names::kInitialPose, 1, &SlamNode::on_initial_pose, this)};
@@ -347,6 +348,17 @@ bool SlamNode::set_mode(SetMode::Request& request, SetMode::Response& response) 
   health_.set_state(request.mode, paused_);
   response.success = true;
   response.message = "mode is " + request.mode;
+  return true;
+}
+
+bool SlamNode::relocalize(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
+  try {
+    session_.relocalize();
+    response.success = true;
+    response.message = "searching: drive about; diagnostics say when the robot is found";
+  } catch (const std::invalid_argument& error) {
+    response.message = error.what();
+  }
   return true;
 }
 

@@ -46,6 +46,11 @@ void SlamSession::set_pose(const Pose3d& pose) {
   pipeline_->set_pose(pose);
 }
 
+void SlamSession::relocalize() {
+  flush();
+  pipeline_->relocalize();
+}
+
 void SlamSession::load(const SavedState& state, bool keep_saved_pose) {
   flush();
   pipeline_->load(state, keep_saved_pose);

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "kinect_ekf_slam/core/angles.h"
-#include "kinect_ekf_slam/estimators/factory.h"
 #include "kinect_ekf_slam/core/random_stream.h"
+#include "kinect_ekf_slam/estimators/factory.h"
 #include "kinect_ekf_slam/study/text.h"
 
 namespace kinect_ekf_slam {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -35,6 +36,16 @@ struct Fit {
   double squared_distance;  ///< nu^T S^-1 nu
   double log_likelihood;    ///< log N(nu; 0, S)
 };
+
+/// Nothing when `covariance` is not positive definite to working precision.
+template <int Rows>
+std::optional<Fit> fit_of(const Eigen::Matrix<double, Rows, 1>& innovation,
+                          const Eigen::Matrix<double, Rows, Rows>& covariance) {
+  const auto squared_distance = squared_mahalanobis<Rows>(innovation, covariance);
+  if (!squared_distance) return std::nullopt;
+  const double log_determinant = std::log(covariance.determinant());
+  return Fit{*squared_distance, -0.5 * (*squared_distance + Rows * std::log(2.0 * kPi) + log_determinant)};
+}
 
 /// Takes in z = H x + v, v ~ N(0, R), given its innovation nu = z - H x. Nothing, and `x` stays, when the
 /// innovation's covariance S = H P H^T + R is not positive definite to working precision.

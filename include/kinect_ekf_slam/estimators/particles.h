@@ -40,6 +40,15 @@ Matrix covariance_root(const Matrix& covariance) {
 /// whose covariance is exactly one: what is drawn with them has the mean and covariance that it should have.
 Eigen::MatrixXd standardized_draws(int dimension, int count, RandomStream* random);
 
+/// One step and then another as one step.
+template <class Space>
+MotionStep<Space> compound(const MotionStep<Space>& first, const MotionStep<Space>& second) {
+  const typename Space::PoseMatrix A =
+      second.delta.inverse().adjoint();  // brings the error to the second's end
+  const typename Space::PoseMatrix covariance = A * first.covariance * A.transpose() + second.covariance;
+  return {first.delta * second.delta, covariance.template selfadjointView<Eigen::Lower>()};
+}
+
 /// The inverse of Space::retract: the local perturbation that moves `from` to `to`.
 template <class Space>
 typename Space::PoseVector local_difference(const typename Space::Pose& from,

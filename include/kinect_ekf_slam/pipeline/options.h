@@ -33,6 +33,8 @@ struct PipelineOptions {
   InitialPoseOptions initial_pose;
   SpaceType space = SpaceType::kPlanar;
   Mode mode = Mode::kSlam;
+  bool relocalize_when_lost =
+      false;  ///< localisation only: look for the robot when what it sees is not there
 };
 
 }  // namespace kinect_ekf_slam

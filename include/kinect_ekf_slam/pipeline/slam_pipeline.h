@@ -34,6 +34,9 @@ class SlamPipeline {
   /// Puts the robot at a pose of the map.
   virtual void set_pose(const Pose3d& pose) = 0;
   virtual void set_mode(Mode mode) = 0;
+  /// Forgets where the robot is, and looks for it in the map until it is found; until then sightings are
+  /// `ambiguous`. Throws std::invalid_argument, and nothing changes, unless a map is loaded and not changed.
+  virtual void relocalize() = 0;
 
   /// Takes what can be changed while running: the input, motion and sensor groups.
   virtual void set_live_options(const PipelineOptions& options) = 0;

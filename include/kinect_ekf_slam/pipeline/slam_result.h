@@ -31,6 +31,13 @@ struct DetectionOutcome {
   Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();  ///< m, seen from the corrected pose
 };
 
+/// Whether it is known where the robot is in a map that is not changed.
+enum class Localization {
+  kTracking,   ///< the pose is followed
+  kSearching,  ///< unknown: the pose that is told means nothing, and its covariance says so
+  kFound,      ///< followed again, after a search
+};
+
 /// What the pipeline made of one frame.
 struct SlamResult {
   Pose3d pose;
@@ -39,6 +46,7 @@ struct SlamResult {
   std::vector<DetectionOutcome> outcomes;                 ///< one a detection, in their order
   double nis = std::numeric_limits<double>::quiet_NaN();  ///< of the joint update
   int dof = 0;
+  Localization localization = Localization::kTracking;
   bool finite = true;  ///< false: the estimate broke down and nothing of it may be used
 };
 

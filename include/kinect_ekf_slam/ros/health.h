@@ -55,6 +55,7 @@ class Health {
   std::uint64_t looked_ = 0;       ///< frames with detections, or with none
   std::uint64_t saw_nothing_ = 0;  ///< of those the empty ones
   bool finite_ = true;
+  Localization localization_ = Localization::kTracking;
   Pose3d pose_;
   std::size_t landmarks_ = 0;
   std::string mode_ = "slam";

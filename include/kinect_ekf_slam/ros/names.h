@@ -17,6 +17,7 @@ constexpr const char* kLoadMap = "load_map";
 constexpr const char* kReset = "reset";
 constexpr const char* kPause = "pause";
 constexpr const char* kSetMode = "set_mode";
+constexpr const char* kRelocalize = "relocalize";
 constexpr const char* kLive = "live";  ///< dynamic_reconfigure
 
 }  // namespace kinect_ekf_slam::names

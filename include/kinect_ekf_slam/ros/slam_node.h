@@ -53,6 +53,7 @@ class SlamNode {
   bool reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool pause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
   bool set_mode(SetMode::Request& request, SetMode::Response& response);
+  bool relocalize(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
   void forget_what_was_shown();
   void publish_pose(const nav_msgs::Odometry& odometry);

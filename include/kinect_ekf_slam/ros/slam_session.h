@@ -41,6 +41,9 @@ class SlamSession {
   /// does.
   void load(const SavedState& state, bool keep_saved_pose);
   void set_mode(Mode mode);
+  /// Looks for the robot in the map from now on: odometry that waits is history. Throws as
+  /// SlamPipeline::relocalize does.
+  void relocalize();
   void set_live_options(const PipelineOptions& options);
 
   /// A new run: pose, map, waiting frames and half-formed triples are forgotten; a fixed map stays.

@@ -314,6 +314,69 @@ TEST(SlamPipeline, LocalisationDoesNotTakeEchoesForNews) {
   EXPECT_GT(sigma_after_a_minute(1.0), 3.0 * sigma_after_a_minute(0.0));
 }
 
+const std::vector<Eigen::Vector2d> kCylinders = {
+    {1.0, 0.3}, {3.2, -0.8}, {2.1, 2.4}, {-1.5, 1.7}, {-2.2, -1.1}};
+
+/// A pipeline that localises in a map of the cylinders and believes to be at the origin.
+std::unique_ptr<SlamPipeline> localisation(bool relocalize_when_lost) {
+  PipelineOptions options = wide_open();
+  options.association.type = AssociationOptions::Type::kNearestNeighbor;
+  options.relocalize_when_lost = relocalize_when_lost;
+  auto pipeline = make_pipeline(options);
+  std::vector<Detection> detections;
+  for (const Eigen::Vector2d& place : kCylinders)
+    detections.push_back(detection(place.x(), place.y(), kNoId, 0.02));
+  pipeline->process(detection_frame(1.0, detections));
+  pipeline->set_mode(Mode::kLocalization);
+  return pipeline;
+}
+
+/// Drives a circle from `truth` on, seeing all cylinders, until the robot is found; the last result.
+SlamResult drive_until_found(SlamPipeline* pipeline, Se2* truth, double start = 10.0) {
+  SlamResult result;
+  for (int i = 0; i < 300 && result.localization != Localization::kFound; ++i) {
+    const double time = start + 0.1 * i;
+    pipeline->process(odometry_frame(time, 0.5, 0.4));
+    *truth = *truth * Se2::exp({0.05, 0.0, 0.04});
+    std::vector<Detection> detections;
+    for (const Eigen::Vector2d& place : kCylinders) {
+      const Eigen::Vector2d in_base = truth->inverse() * place;
+      detections.push_back(detection(in_base.x(), in_base.y(), kNoId));
+    }
+    result = pipeline->process(detection_frame(time + 0.1, detections));
+  }
+  return result;
+}
+
+TEST(SlamPipeline, FindsTheRobotWhenItIsAskedTo) {
+  const auto pipeline = localisation(false);
+  Se2 truth(0.8, -1.5, 2.0);
+  EXPECT_EQ(drive_until_found(pipeline.get(), &truth).localization, Localization::kTracking)
+      << "nobody asked";
+  truth = Se2(0.8, -1.5, 2.0);
+  pipeline->relocalize();
+  EXPECT_GT(pipeline->look_ahead({}, 0).covariance(0, 0), 25.0) << "unknown, until it is found";
+  const SlamResult result = drive_until_found(pipeline.get(), &truth, 100.0);
+  ASSERT_EQ(result.localization, Localization::kFound);
+  EXPECT_TRUE(testing::PoseNear(Planar::pose_from_3d(result.pose.map_from_base), truth, 0.1));
+  EXPECT_LT(result.pose.covariance(0, 0), 0.1 * 0.1);
+}
+
+TEST(SlamPipeline, NoticesByItselfThatTheRobotWasCarriedAway) {
+  const auto pipeline = localisation(true);
+  Se2 truth(0.8, -1.5, 2.0);
+  const SlamResult result = drive_until_found(pipeline.get(), &truth);
+  ASSERT_EQ(result.localization, Localization::kFound);
+  EXPECT_TRUE(testing::PoseNear(Planar::pose_from_3d(result.pose.map_from_base), truth, 0.1));
+}
+
+TEST(SlamPipeline, LooksForTheRobotOnlyInAMapThatStays) {
+  const auto pipeline = make_pipeline(wide_open());
+  EXPECT_THROW(pipeline->relocalize(), std::invalid_argument);
+  pipeline->set_mode(Mode::kLocalization);
+  EXPECT_THROW(pipeline->relocalize(), std::invalid_argument) << "there is no map";
+}
+
 TEST(SlamPipeline, LiveOptionsTakeEffectAndKeepTheEstimate) {
   PipelineOptions options = wide_open();
   const auto pipeline = make_pipeline(options);

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "kinect_ekf_slam/estimators/particle_localization.h"
+#include "kinect_ekf_slam/pipeline/slam_result.h"
+
+namespace kinect_ekf_slam {
+
+/// Notices that the robot is not where it is thought to be, and looks for it in the map.
+template <class Space>
+class Relocalizer {
+ public:
+  Localization state() const { return state_; }
+  bool is_searching() const { return search_ != nullptr; }
+
+  void start(const LocalizationOptions& options, std::vector<LandmarkEstimate<Space>> map) {
+    search_ = std::make_unique<ParticleLocalization<Space>>(options, std::move(map));
+    state_ = Localization::kSearching;
+  }
+  void stop() {
+    search_.reset();
+    state_ = Localization::kTracking;
+    fit_ = 1.0;
+  }
+
+  void predict(const MotionStep<Space>& step) {
+    if (search_) search_->predict(step);
+  }
+
+  /// The pose, when the search has found it; the search is then over.
+  std::optional<PoseEstimate<Space>> search(const std::vector<Observation<Space>>& observations) {
+    const auto found = search_->observe(observations);
+    if (!found) return std::nullopt;
+    stop();
+    state_ = Localization::kFound;
+    return found;
+  }
+
+  /// True when most of the last sightings fit no landmark of the map.
+  bool is_lost(const UpdateReport& report) {
+    constexpr double kMemory = 20.0;     // sightings
+    constexpr double kFewestFits = 0.3;  // share; clutter alone leaves more
+    for (const Assignment& assignment : report.assignments) {
+      fit_ += ((assignment.verdict == Verdict::kMatched ? 1.0 : 0.0) - fit_) / kMemory;
+    }
+    return fit_ < kFewestFits;
+  }
+
+ private:
+  std::unique_ptr<ParticleLocalization<Space>> search_;
+  Localization state_ = Localization::kTracking;
+  double fit_ = 1.0;  ///< running share of the sightings that fit
+};
+
+}  // namespace kinect_ekf_slam
