@@ -188,7 +188,8 @@ std::string to_table(const RoomSummary& s) {
          row("landmark RMSE, aligned (m)", s.landmark_rmse_aligned, 4) +
          row("landmark RMSE, in the start frame (m)", s.landmark_rmse_start, 4) +
          row("path RMSE, in the start frame (m)", s.path_rmse, 4) + row("landmarks missed", s.missed, 2) +
-         row("landmarks too many", s.spurious, 2) + row(format("pose NEES (%d when consistent)", s.pose_dof).c_str(), s.nees, 2) +
+         row("landmarks too many", s.spurious, 2) +
+         row(format("pose NEES (%d when consistent)", s.pose_dof).c_str(), s.nees, 2) +
          format("all %zu landmarks and no other: %.0f %% of the runs\n", s.true_landmarks,
                 100.0 * s.exact_count_share) +
          format(
@@ -205,8 +206,8 @@ std::string to_json(const RoomSummary& s, const std::vector<RoomRun>& runs) {
       ",\n  \"landmark_rmse_m\": " + json(s.landmark_rmse_aligned) +
       ",\n  \"landmark_rmse_start_m\": " + json(s.landmark_rmse_start) +
       ",\n  \"ate_rmse_start_m\": " + json(s.path_rmse) + ",\n  \"pose_nees\": " + json(s.nees) +
-      ",\n  \"pose_dof\": " + std::to_string(s.pose_dof) +
-      ",\n  \"pose_nees_bounds\": [" + number(s.nees_low) + ", " + number(s.nees_high) +
+      ",\n  \"pose_dof\": " + std::to_string(s.pose_dof) + ",\n  \"pose_nees_bounds\": [" +
+      number(s.nees_low) + ", " + number(s.nees_high) +
       "],\n  \"pose_nees_inside_share\": " + number(s.nees_inside_share) + ",\n  \"seeds\": [\n";
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const RoomRun& run = runs[i];
