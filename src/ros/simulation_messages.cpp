@@ -29,8 +29,7 @@ void set_variances(bool spatial, Array* covariance) {
   const double tilt = spatial ? kHeadingVariance : kNotMeasured;
   const std::array<double, 6> variances = {kPlaneVariance, kPlaneVariance, height,
                                            tilt,           tilt,           kHeadingVariance};
-  for (std::size_t i = 0; i < variances.size(); ++i)
-    (*covariance)[i * (variances.size() + 1)] = variances[i];
+  for (std::size_t i = 0; i < variances.size(); ++i) (*covariance)[i * (variances.size() + 1)] = variances[i];
 }
 
 geometry_msgs::TransformStamped mounting(const Eigen::Isometry3d& base_from_sensor, const char* sensor_frame,

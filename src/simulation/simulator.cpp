@@ -196,8 +196,7 @@ Eigen::Vector3d Simulator::read_gyro() {
 }
 
 std::vector<Sighting> Simulator::look() {
-  const Eigen::Isometry3d world_from_optical =
-      world_from_base_.to_3d() * world_.sensor.base_from_optical;
+  const Eigen::Isometry3d world_from_optical = world_from_base_.to_3d() * world_.sensor.base_from_optical;
   std::vector<Sighting> sightings;
   for (const WorldLandmark& landmark : world_.landmarks) {
     if (auto sighting = see(landmark, world_from_optical)) sightings.push_back(std::move(*sighting));

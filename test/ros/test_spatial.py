@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """slam_node in space: a simulated robot flies through a room of balls; what is published is right in all six axes."""
+import copy
 import os
 import subprocess
 import sys
@@ -10,6 +11,7 @@ import numpy as np
 import rosbag
 import rospy
 import rostest
+import yaml
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from visualization_msgs.msg import Marker
 
@@ -18,6 +20,10 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), os.
 import scenario  # noqa: E402
 from slam_run import ROOT, SlamRun, executable  # noqa: E402
 from waiting import wait_until  # noqa: E402
+
+sys.path.insert(0, os.path.join(ROOT, "scripts"))
+
+from slam_tools.spherical import position_and_covariance  # noqa: E402
 
 FLIGHT = 60.0  # s: the first of two loops
 OVERRIDES = {"estimator/space": "spatial", "estimator/type": "invariant_ekf"}  # as config/spatial.yaml
@@ -43,13 +49,32 @@ def near(messages, stamp):
     return next((message for message in reversed(list(messages)) if message.header.stamp == stamp), None)
 
 
+def positions(landmark_map, key="source_id"):
+    return {getattr(item, key): (item.position.x, item.position.y, item.position.z) for item in landmark_map.landmarks}
+
+
+def landmark_rmse(found, true):
+    """m, after the best rigid motion."""
+    assert set(found) == set(true), (found, true)
+    target, source = (np.array([places[i] for i in sorted(true)]) for places in (true, found))
+    u, _, vt = np.linalg.svd((target - target.mean(0)).T @ (source - source.mean(0)))
+    rotation = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
+    errors = (source - source.mean(0)) @ rotation.T - (target - target.mean(0))
+    return np.sqrt((errors**2).sum(1).mean())
+
+
 class Recording:
     """A simulated flight, by topic."""
 
-    def __init__(self, seconds):
+    def __init__(self, seconds, exact_detections=False):
         with tempfile.TemporaryDirectory() as folder:
-            bag = os.path.join(folder, "flight.bag")
-            world = os.path.join(ROOT, "config", "worlds", "room_3d.yaml")
+            bag, world = os.path.join(folder, "flight.bag"), os.path.join(folder, "world.yaml")
+            with open(os.path.join(ROOT, "config", "worlds", "room_3d.yaml"), encoding="utf-8") as file:
+                options = yaml.safe_load(file)
+            if exact_detections:
+                options["sensor"]["noise_scale"] = 0.0
+            with open(world, "w", encoding="utf-8") as file:
+                yaml.safe_dump(options, file)
             subprocess.run([executable("slam_simulate"), "--world", world, "--duration", str(seconds), "--out", bag],
                            check=True, stdout=subprocess.DEVNULL)
             with rosbag.Bag(bag) as file:
@@ -58,8 +83,17 @@ class Recording:
     def of(self, topic):
         return [message for name, message in self.messages if name == topic]
 
+    @property
+    def mountings(self):
+        return self.of("/tf_static")[0].transforms
+
+    @property
+    def true_landmarks(self):
+        """{identity: (x, y, z)} in the world."""
+        return positions(self.of("/ground_truth/landmarks")[0], "id")
+
     def play(self, run):
-        """Sends all to the node; each odometry is waited for, so that nothing is lost."""
+        """Sends all to the node; each odometry is waited for, so that nothing is lost. Until all is mapped."""
         for topic, message in self.messages:
             if topic in ("/imu", "/landmarks", "/odom"):
                 run.publish(topic[1:], message)
@@ -67,32 +101,22 @@ class Recording:
                 stamp = scenario.to_ns(message.header.stamp)
                 wait_until(lambda: run.pose_stamp() == stamp,
                            lambda: "the pose came; the node says:\n" + run.process.said())
+        wait_until(lambda: run.map.last and len(run.map.last.landmarks) == len(self.true_landmarks),
+                   lambda: "all landmarks are mapped; there are %d" % len(run.map.last.landmarks))
 
 
 class Spatial(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.flight = Recording(FLIGHT)
-        cls.run_of_flight = run = SlamRun(OVERRIDES, mountings=cls.flight.of("/tf_static")[0].transforms)
-        cls.addClassCleanup(run.close)
-        cls.flight.play(run)
-        cls.true_landmarks = cls.flight.of("/ground_truth/landmarks")[0].landmarks
-        wait_until(lambda: run.map.last and len(run.map.last.landmarks) == len(cls.true_landmarks),
-                   lambda: "all landmarks are mapped; there are %d" % len(run.map.last.landmarks))
+        cls.run_of_flight = SlamRun(OVERRIDES, mountings=cls.flight.mountings)
+        cls.addClassCleanup(cls.run_of_flight.close)
+        cls.flight.play(cls.run_of_flight)
 
     def test_landmarks_are_at_their_places_and_heights(self):
-        """After the best rigid motion."""
-        true = {item.id: (item.position.x, item.position.y, item.position.z) for item in self.true_landmarks}
-        found = {item.source_id: (item.position.x, item.position.y, item.position.z)
-                 for item in self.run_of_flight.map.last.landmarks}
-        self.assertEqual(set(found), set(true))
-        target = np.array([true[i] for i in sorted(true)])
-        source = np.array([found[i] for i in sorted(true)])
-        u, _, vt = np.linalg.svd((target - target.mean(0)).T @ (source - source.mean(0)))
-        rotation = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
-        errors = (source - source.mean(0)) @ rotation.T - (target - target.mean(0))
-        self.assertLess(np.sqrt((errors**2).sum(1).mean()), 0.06)
-        self.assertGreater(np.ptp(source[:, 2]), 0.8)
+        found = positions(self.run_of_flight.map.last)
+        self.assertLess(landmark_rmse(found, self.flight.true_landmarks), 0.06)
+        self.assertGreater(np.ptp([place[2] for place in found.values()]), 0.8)
 
     def test_every_landmark_has_a_whole_covariance(self):
         for item in self.run_of_flight.map.last.landmarks:
@@ -117,7 +141,7 @@ class Spatial(unittest.TestCase):
         def of_landmark(array, space):
             return {marker.id: marker for marker in array.markers if marker.ns == space and marker.action == Marker.ADD}
         array = wait_until(lambda: next((message for message in reversed(run.markers.messages)
-                                         if len(of_landmark(message, "covariance")) == len(self.true_landmarks)), None),
+                                         if len(of_landmark(message, "covariance")) == len(self.flight.true_landmarks)), None),
                            "markers of all landmarks")
         spreads, bodies = of_landmark(array, "covariance"), of_landmark(array, "landmarks")
         landmarks = wait_until(lambda: near(run.map.messages, array.markers[0].header.stamp), "the map of that time")
@@ -144,6 +168,39 @@ class Spatial(unittest.TestCase):
         transform, pose, odometry = wait_until(matching, "tf, pose and odometry of one time")
         map_from_odom = matrix_of(transform.translation, transform.rotation)
         np.testing.assert_allclose(map_from_odom @ pose_matrix(odometry.pose.pose), pose_matrix(pose.pose.pose), atol=1e-6)
+
+
+class RangeBearingElevation(unittest.TestCase):
+    """A sensor that measures a range and two angles, as MRPT's data has it: they enter as a position with its covariance."""
+
+    SIGMAS = (0.03, 0.02, 0.02)  # m, rad, rad
+
+    def as_readings(self, message, rng):
+        """The detections anew: the camera's points as such a sensor, which looks along x, would read them."""
+        message = copy.deepcopy(message)
+        message.header.frame_id = "ranger"
+        for detection in message.detections:
+            right, down, depth = detection.position.x, detection.position.y, detection.position.z
+            exact = np.linalg.norm([right, down, depth]), np.arctan2(-right, depth), np.arctan2(-down, np.hypot(right, depth))
+            reading = exact + self.SIGMAS * rng.normal(size=3)
+            place, covariance = position_and_covariance(*reading, *self.SIGMAS)
+            detection.position.x, detection.position.y, detection.position.z = place
+            detection.covariance = covariance.ravel().tolist()
+        return message
+
+    def test_a_room_is_mapped_from_ranges_and_angles(self):
+        flight = Recording(FLIGHT, exact_detections=True)
+        rng = np.random.default_rng(5)
+        flight.messages = [(topic, self.as_readings(message, rng) if topic == "/landmarks" else message)
+                           for topic, message in flight.messages]
+        ranger = copy.deepcopy(next(item for item in flight.mountings if item.child_frame_id != "imu_link"))
+        ranger.child_frame_id = "ranger"
+        rotation = ranger.transform.rotation
+        rotation.x, rotation.y, rotation.z, rotation.w = 0.0, 0.0, 0.0, 1.0
+        run = SlamRun(OVERRIDES, mountings=[*flight.mountings, ranger])
+        self.addCleanup(run.close)
+        flight.play(run)
+        self.assertLess(landmark_rmse(positions(run.map.last), flight.true_landmarks), 0.05)
 
 
 class InitialPose(unittest.TestCase):

@@ -7,8 +7,8 @@
 
 namespace kinect_ekf_slam {
 
-/// Where a simulated robot is. One that drives moves in SE(2) and so stays on the floor exactly, one that flies
-/// moves in SE(3); the rest of the simulation sees a pose in three dimensions.
+/// Where a simulated robot is. One that drives moves in SE(2) and so stays on the floor exactly, one that
+/// flies moves in SE(3); the rest of the simulation sees a pose in three dimensions.
 class RobotPose {
  public:
   RobotPose() = default;

@@ -72,7 +72,8 @@ class Simulator {
   void advance(TimeNs stamp);
   void choose_velocity();
   bool is_free(const Eigen::Vector3d& position_in_world) const;
-  Eigen::Vector3d from_landmark(const WorldLandmark& landmark, const Eigen::Vector3d& position_in_world) const;
+  Eigen::Vector3d from_landmark(const WorldLandmark& landmark,
+                                const Eigen::Vector3d& position_in_world) const;
   Odometry read_odometry();
   double read_wheel(int wheel, double travel);
   double read_tilt(double tilt);

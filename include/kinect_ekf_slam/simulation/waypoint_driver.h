@@ -9,8 +9,8 @@
 
 namespace kinect_ekf_slam {
 
-/// Drives through the waypoints: turns towards the next one, slows where the way bends, stops at the last. One
-/// that flies also points its nose up or down at it, and banks into turns.
+/// Drives through the waypoints: turns towards the next one, slows where the way bends, stops at the last.
+/// One that flies also points its nose up or down at it, and banks into turns.
 class WaypointDriver {
  public:
   explicit WaypointDriver(const DriveOptions& options) : options_(options) {}

@@ -60,17 +60,17 @@ struct KinectOptions {
   double rate = 10.0;               ///< Hz
   double field_of_view_deg = 57.0;  ///< horizontal, whole angle
   double vertical_field_of_view_deg = 43.0;
-  double min_depth = 0.6;           ///< m
-  double max_depth = 2.6;           ///< m
-  double noise_scale = 1.0;         ///< on the standard deviation; 0: exact
-  double radius_noise = 0.005;      ///< m
-  double miss_rate = 0.05;          ///< share of sightings that are not reported
-  double false_per_minute = 0.0;    ///< detections of what is not there
-  double gross_error_rate = 0.0;    ///< share of detections that are far off
-  double gross_error_size = 2.0;    ///< m along the floor, at most
-  double wrong_label_rate = 0.0;    ///< share of detections with another landmark's colour
-  bool reports_covariance = true;   ///< false: all zero, the consumer has a model
-  bool reports_identity = true;     ///< the true landmark's id in every detection; for evaluations
+  double min_depth = 0.6;          ///< m
+  double max_depth = 2.6;          ///< m
+  double noise_scale = 1.0;        ///< on the standard deviation; 0: exact
+  double radius_noise = 0.005;     ///< m
+  double miss_rate = 0.05;         ///< share of sightings that are not reported
+  double false_per_minute = 0.0;   ///< detections of what is not there
+  double gross_error_rate = 0.0;   ///< share of detections that are far off
+  double gross_error_size = 2.0;   ///< m along the floor, at most
+  double wrong_label_rate = 0.0;   ///< share of detections with another landmark's colour
+  bool reports_covariance = true;  ///< false: all zero, the consumer has a model
+  bool reports_identity = true;    ///< the true landmark's id in every detection; for evaluations
   /// Optical axes: X right, Y down, Z forward.
   Eigen::Isometry3d base_from_optical = Eigen::Isometry3d::Identity();
 };

@@ -24,8 +24,8 @@ struct RoomStudy {
   std::function<void(double)> on_progress;  ///< share done, 0 to 1, from the calling thread; may be empty
 };
 
-/// What one run gave, compared in the space of the estimate. All in the start's own frame: the map's origin is
-/// where the robot started.
+/// What one run gave, compared in the space of the estimate. All in the start's own frame: the map's origin
+/// is where the robot started.
 struct RoomRun {
   std::uint64_t seed = 0;
   MapComparison map;
