@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 namespace kinect_ekf_slam {
@@ -17,7 +18,6 @@ struct Hsv {
   double hue_deg;
   double saturation;
   double value;
-  double second;  ///< the middle channel, 0 to 1
 };
 
 Hsv to_hsv(const cv::Vec3b& pixel) {
@@ -39,7 +39,7 @@ Hsv to_hsv(const cv::Vec3b& pixel) {
     }
   }
   const double hue = std::fmod(60.0 * sector + kFullTurn, kFullTurn);
-  return {hue, most > 0.0 ? chroma / most : 0.0, most, red + green + blue - most - least};
+  return {hue, most > 0.0 ? chroma / most : 0.0, most};
 }
 
 bool has_hue(const PaletteColour& colour, double hue_deg) {
@@ -49,50 +49,46 @@ bool has_hue(const PaletteColour& colour, double hue_deg) {
   return hue_deg >= colour.hue_min_deg || hue_deg < colour.hue_max_deg;
 }
 
-double number(const YAML::Node& node, const std::string& key, double low, double high,
-              const std::string& name) {
+[[noreturn]] void fail(const std::string& name, const std::string& key, const std::string& allowed) {
+  throw PaletteError(std::string(name).append(": ").append(key).append(": allowed: ").append(allowed));
+}
+
+double number(const YAML::Node& node, const std::string& key, double high, const std::string& name) {
   double value = 0.0;
-  if (!node || !node.IsScalar() || !YAML::convert<double>::decode(node, value) || !(value >= low) ||
-      !(value <= high)) {
-    std::ostringstream line;
-    line << name << ": " << key << ": allowed: a number from " << low << " to " << high;
-    throw PaletteError(line.str());
+  const bool is_number = node.IsScalar() && YAML::convert<double>::decode(node, value);
+  if (!is_number || !(value >= 0.0 && value <= high)) {
+    std::ostringstream allowed;
+    allowed << "a number from 0 to " << high;
+    fail(name, key, allowed.str());
   }
   return value;
 }
 
 PaletteColour read_colour(const std::string& label, const YAML::Node& hues, const std::string& name) {
-  const std::string key = "colours/" + label;
-  if (!hues.IsSequence() || hues.size() != 2) {
-    throw PaletteError(name + ": " + key + ": allowed: [least hue, largest hue] in degrees");
-  }
-  return {label, number(hues[0], key, 0.0, kFullTurn, name), number(hues[1], key, 0.0, kFullTurn, name)};
+  const std::string key = std::string("colours/").append(label);
+  if (!hues.IsSequence() || hues.size() != 2) fail(name, key, "[from, to] in degrees");
+  return {label, number(hues[0], key, kFullTurn, name), number(hues[1], key, kFullTurn, name)};
 }
 
 Palette read(const YAML::Node& root, const std::string& name) {
-  if (!root.IsMap()) throw PaletteError(name + ": allowed: a map of keys and values");
+  if (!root.IsMap()) fail(name, "palette", "a map of keys and values");
   Palette palette;
+  const std::map<std::string, double*> shares{{"smallest_saturation", &palette.smallest_saturation},
+                                              {"smallest_value", &palette.smallest_value},
+                                              {"smallest_share", &palette.smallest_share}};
   for (const auto& entry : root) {
     const auto key = entry.first.as<std::string>();
-    if (key == "colours" && entry.second.IsMap()) {
+    if (const auto share = shares.find(key); share != shares.end()) {
+      *share->second = number(entry.second, key, 1.0, name);
+    } else if (key == "colours" && entry.second.IsMap()) {
       for (const auto& colour : entry.second) {
         palette.colours.push_back(read_colour(colour.first.as<std::string>(), colour.second, name));
       }
-    } else if (key == "smallest_saturation") {
-      palette.smallest_saturation = number(entry.second, key, 0.0, 1.0, name);
-    } else if (key == "smallest_value") {
-      palette.smallest_value = number(entry.second, key, 0.0, 1.0, name);
-    } else if (key == "largest_value") {
-      palette.largest_value = number(entry.second, key, 0.0, 1.0, name);
-    } else if (key == "smallest_share") {
-      palette.smallest_share = number(entry.second, key, 0.0, 1.0, name);
     } else {
-      throw PaletteError(name + ": " + key +
-                         ": is not known, allowed: colours (a map), smallest_saturation, smallest_value, "
-                         "largest_value, smallest_share");
+      fail(name, key, "colours (a map), smallest_saturation, smallest_value, smallest_share");
     }
   }
-  if (palette.colours.empty()) throw PaletteError(name + ": colours: is missing, allowed: label: [hue, hue]");
+  if (palette.colours.empty()) fail(name, "colours", "label: [from, to], at least one");
   return palette;
 }
 
@@ -117,10 +113,7 @@ std::string colour_label(const std::vector<cv::Vec3b>& pixels, const Palette& pa
   std::vector<std::size_t> votes(palette.colours.size(), 0);
   for (const cv::Vec3b& pixel : pixels) {
     const Hsv hsv = to_hsv(pixel);
-    if (hsv.saturation < palette.smallest_saturation || hsv.value < palette.smallest_value ||
-        hsv.second > palette.largest_value) {
-      continue;
-    }
+    if (hsv.saturation < palette.smallest_saturation || hsv.value < palette.smallest_value) continue;
     for (std::size_t i = 0; i < votes.size(); ++i)
       votes[i] += has_hue(palette.colours[i], hsv.hue_deg) ? 1 : 0;
   }

@@ -23,7 +23,7 @@ struct LaserScan {
 struct LaserCylinderOptions {
   RadiusBounds radius{0.05, 0.20};  ///< m
   double range_sigma = 0.01;        ///< m, of the scanner
-  double sigma_aside = 0.003;       ///< rad: half the width of a ray, about
+  double sigma_aside = 0.002;       ///< rad: half the width of a ray, about
   double jump = 0.15;               ///< m between neighbouring ranges: another surface
   int min_points = 5;               ///< rays that must meet it
   double min_arc = 1.57;            ///< rad that must be seen, as from the axis

@@ -19,7 +19,6 @@ struct Palette {
   std::vector<PaletteColour> colours;
   double smallest_saturation = 0.35;  ///< 0 grey, 1 pure; below, a pixel's hue is chance
   double smallest_value = 0.12;       ///< of its brightest channel, 0 to 1; below, a pixel is in the dark
-  double largest_value = 0.98;        ///< of its second brightest channel; above, a pixel is overexposed
   double smallest_share = 0.5;        ///< of all pixels that must have the colour
 };
 
