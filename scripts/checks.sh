@@ -37,7 +37,7 @@ no_ros_below() {
 headers_stand_alone() {
   local failed=0 header
   for header in $(git ls-files 'include/*.h' | grep -v /ros/); do
-    echo "#include \"${header#include/}\"" | g++ -std=c++17 -fsyntax-only -x c++ -Iinclude -isystem /usr/include/eigen3 - ||
+    echo "#include \"${header#include/}\"" | g++ -std=c++17 -fsyntax-only -x c++ -Iinclude -isystem /usr/include/eigen3 -isystem /usr/include/opencv4 - ||
       { echo "$header does not compile alone"; failed=1; }
   done
   return $failed

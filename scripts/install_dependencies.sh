@@ -10,6 +10,8 @@ packages=(
   build-essential git cmake clang-format clang-tidy catkin catkin-lint
   # core
   libeigen3-dev libyaml-cpp-dev
+  # perception
+  libopencv-dev libcv-bridge-dev libimage-transport-dev libimage-geometry-dev
   # ROS 1 libraries and messages
   libroscpp-dev libmessage-filters-dev libtf2-dev libtf2-ros-dev librosbag-dev librosbag-storage-dev
   libdiagnostic-updater-dev libdynamic-reconfigure-config-init-mutex-dev

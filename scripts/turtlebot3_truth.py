@@ -15,8 +15,11 @@ IN.bag holds /odom, /imu and /scan of the simulated robot. OUT.bag holds, with t
 
 It ends with the error of the detections against the truth.
 """
+import heapq
 import os
+import subprocess
 import sys
+import tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 if __name__ == "__main__":
@@ -30,8 +33,7 @@ from tf2_msgs.msg import TFMessage
 
 from slam_tools import cli
 from slam_tools.bags import TRUE_LANDMARKS_TOPIC, TRUE_POSE_TOPIC, BagWriter, open_bag
-from slam_tools.circles import CylinderModel, find_cylinders
-from slam_tools.environment import package_messages
+from slam_tools.environment import executable, package_messages
 from slam_tools.geometry import Path, yaw_of_quaternion
 
 # m: base_footprint -> base_link is 0.010 up, base_link -> base_scan 0.064 back and 0.122 up
@@ -64,21 +66,13 @@ def true_landmark_map(stamp, messages):
     return message
 
 
-def detections_in_scan(scan, model, messages):
-    """The detection array of a scan, and its circles."""
-    circles = find_cylinders(scan.ranges, scan.angle_min, scan.angle_increment, scan.range_min,
-                             scan.range_max, model)
-    message = messages.LandmarkDetectionArray()
-    message.header = scan.header
-    for circle in circles:
-        detection = messages.LandmarkDetection(id=-1, radius=circle.radius, score=1.0)
-        detection.position.x, detection.position.y = circle.center
-        covariance = np.zeros((3, 3))
-        covariance[:2, :2] = circle.covariance[:2, :2]
-        covariance[2, 2] = model.range_std**2   # the height of the scan
-        detection.covariance = covariance.ravel().tolist()
-        message.detections.append(detection)
-    return message, circles
+def detect_cylinders(in_path, out_path, radius, range_sigma):
+    """Writes what the package's detector finds in the scans."""
+    command = [executable("detect_scans"), in_path, "--out", out_path, "--topic", "/scan",
+               "--radius", *map(str, radius), "--range-sigma", str(range_sigma)]
+    process = subprocess.run(command, stderr=subprocess.PIPE, universal_newlines=True, check=False)
+    if process.returncode != 0:
+        raise cli.InputError(process.stderr.strip())
 
 
 def true_pose(odometry):
@@ -86,52 +80,60 @@ def true_pose(odometry):
     return PoseStamped(Header(header.seq, header.stamp, "map"), odometry.pose.pose)
 
 
-def detection_errors(path, stamped_circles):
-    """(errors along the ray and across it, squared Mahalanobis distances, number of false detections)."""
-    stamps = np.array([stamp for stamp, _ in stamped_circles])
+def detection_errors(path, stamped_detections):
+    """(errors along the ray and across it, of the radius, squared Mahalanobis distances, number of false ones)."""
+    stamps = np.array([stamp for stamp, _ in stamped_detections])
     valid, poses = path.at(stamps, max_gap=0.5)
     yaws = yaw_of_quaternion(poses.quaternions)
-    circles = [circle for (_, circle), inside in zip(stamped_circles, valid) if inside]
-    errors, distances, false_ones = [], [], 0
-    for position, yaw, circle in zip(poses.positions, yaws, circles):
+    detections = [detection for (_, detection), inside in zip(stamped_detections, valid) if inside]
+    errors, radii, distances, false_ones = [], [], [], 0
+    for position, yaw, detection in zip(poses.positions, yaws, detections):
         rotation = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
         in_base = (np.array(CYLINDERS_IN_MAP) - position[:2]) @ rotation
-        error = circle.center - (in_base - SCAN_FRAME_IN_BASE[:2])
+        center = np.array([detection.position.x, detection.position.y])
+        error = center - (in_base - SCAN_FRAME_IN_BASE[:2])
         error = error[np.argmin(np.linalg.norm(error, axis=1))]
         if np.linalg.norm(error) > FALSE_DETECTION_DISTANCE:
             false_ones += 1
             continue
-        ray = circle.center / np.linalg.norm(circle.center)
+        ray = center / np.linalg.norm(center)
         errors.append((error @ ray, ray[0] * error[1] - ray[1] * error[0]))
-        distances.append(error @ np.linalg.solve(circle.covariance[:2, :2], error))
-    return np.array(errors).reshape(-1, 2), np.array(distances), false_ones
+        radii.append(detection.radius - CYLINDER_RADIUS)
+        covariance = np.reshape(detection.covariance, (3, 3))[:2, :2]
+        distances.append(error @ np.linalg.solve(covariance, error))
+    return np.array(errors).reshape(-1, 2), np.array(radii), np.array(distances), false_ones
 
 
-def convert(in_path, out_path, model):
+def check_topics(in_path, topics):
+    for topic, type_name in (("/odom", "nav_msgs/Odometry"), ("/scan", "sensor_msgs/LaserScan")):
+        if topic not in topics or topics[topic].msg_type != type_name:
+            raise cli.InputError(f"{in_path}: holds no {topic} of type {type_name}; "
+                                 "a bag of a TurtleBot3 in turtlebot3_world is needed")
+
+
+def convert(in_path, out_path, radius, range_sigma):
     messages = package_messages()
-    with open_bag(in_path) as bag:
+    poses, stamped_detections = [], []
+    with open_bag(in_path) as bag, tempfile.TemporaryDirectory() as folder:
         topics = bag.get_type_and_topic_info().topics
-        for topic, type_name in (("/odom", "nav_msgs/Odometry"), ("/scan", "sensor_msgs/LaserScan")):
-            if topic not in topics or topics[topic].msg_type != type_name:
-                raise cli.InputError(f"{in_path}: holds no {topic} of type {type_name}; "
-                                     "a bag of a TurtleBot3 in turtlebot3_world is needed")
-        poses, stamped_circles = [], []
+        check_topics(in_path, topics)
+        found_path = os.path.join(folder, "landmarks.bag")
+        detect_cylinders(in_path, found_path, radius, range_sigma)
         total = sum(topics[topic].message_count for topic in ("/odom", "/imu", "/scan") if topic in topics)
         scan_frame = next(bag.read_messages("/scan")).message.header.frame_id
-        needed = bag.read_messages(["/odom", "/imu", "/scan"])
-        with BagWriter(out_path) as out:
-            for topic, message, receipt_time in cli.progress(needed, total, "Converting"):
+        with open_bag(found_path) as found, BagWriter(out_path) as out:
+            in_order = heapq.merge(bag.read_messages(["/odom", "/imu"]), found.read_messages(),
+                                   key=lambda entry: entry.timestamp)
+            for topic, message, receipt_time in cli.progress(in_order, total, "Converting"):
                 if not out.counts:
                     out.write("/tf_static", static_transform(receipt_time, scan_frame), receipt_time,
                               latched=True)
                     out.write(TRUE_LANDMARKS_TOPIC, true_landmark_map(receipt_time, messages), receipt_time,
                               latched=True)
-                if topic == "/scan":
-                    array, circles = detections_in_scan(message, model, messages)
-                    out.write("/landmarks", array, receipt_time)
-                    stamped_circles += [(message.header.stamp.to_sec(), circle) for circle in circles]
-                    continue
                 out.write(topic, message, receipt_time)
+                if topic == "/landmarks":
+                    stamped_detections += [(message.header.stamp.to_sec(), detection)
+                                           for detection in message.detections]
                 if topic == "/odom":
                     pose = true_pose(message)
                     out.write(TRUE_POSE_TOPIC, pose, receipt_time)
@@ -140,17 +142,17 @@ def convert(in_path, out_path, model):
     for topic, count in sorted(out.counts.items()):
         print(f"{topic:24s} {count:6d} messages")
     poses = np.array(poses)
-    report(detection_errors(Path.in_time_order(poses[:, 0], poses[:, 1:4], poses[:, 4:]), stamped_circles))
+    report(*detection_errors(Path.in_time_order(poses[:, 0], poses[:, 1:4], poses[:, 4:]), stamped_detections))
 
 
-def report(errors_distances_false):
-    errors, distances, false_ones = errors_distances_false
+def report(errors, radii, distances, false_ones):
     if not len(errors):
         print(f"no cylinder was detected; {false_ones} false detections")
         return
     bias, std = 1e3 * errors.mean(axis=0), 1e3 * errors.std(axis=0)
     print(f"{len(errors)} detections of cylinders, {false_ones} false ones; error along the ray "
-          f"{bias[0]:.1f} +- {std[0]:.1f} mm, across it {bias[1]:.1f} +- {std[1]:.1f} mm; "
+          f"{bias[0]:.1f} +- {std[0]:.1f} mm, across it {bias[1]:.1f} +- {std[1]:.1f} mm, "
+          f"of the radius {1e3 * radii.mean():.1f} +- {1e3 * radii.std():.1f} mm; "
           f"mean squared Mahalanobis distance {distances.mean():.2f} (2 expected)")
 
 
@@ -158,11 +160,10 @@ def main():
     parser = cli.ArgumentParser(description=__doc__)
     parser.add_argument("in_bag", metavar="IN.bag", help="bag with /odom, /imu and /scan")
     parser.add_argument("out_bag", metavar="OUT.bag", help="bag to write; one that exists is replaced")
-    default = CylinderModel()
     parser.add_argument("--radius", nargs=2, type=float, metavar=("MIN", "MAX"),
-                        default=(default.radius_min, default.radius_max),
+                        default=(0.10, 0.20),
                         help="bounds of the cylinders' radius in m (default: %(default)s)")
-    parser.add_argument("--range-std", type=float, metavar="M", default=default.range_std,
+    parser.add_argument("--range-std", type=float, metavar="M", default=0.01,
                         help="standard deviation of the scanner's ranges in m (default: %(default)s)")
     arguments = parser.parse_args()
     if not 0.0 < arguments.radius[0] < arguments.radius[1]:
@@ -171,9 +172,7 @@ def main():
         parser.error(f"--range-std is {arguments.range_std}; a positive number is needed")
     if os.path.realpath(arguments.in_bag) == os.path.realpath(arguments.out_bag):
         parser.error("OUT.bag is IN.bag; another name is needed")
-    convert(arguments.in_bag, arguments.out_bag,
-            CylinderModel(radius_min=arguments.radius[0], radius_max=arguments.radius[1],
-                          range_std=arguments.range_std))
+    convert(arguments.in_bag, arguments.out_bag, arguments.radius, arguments.range_std)
 
 
 if __name__ == "__main__":

@@ -22,6 +22,24 @@ def use_system_python():
     os.execve(SYSTEM_PYTHON, [SYSTEM_PYTHON] + sys.argv, dict(os.environ, **{_MARK: "1"}))
 
 
+def executable(name):
+    """Path of one of the package's programs: installed beside the scripts, or of the build next to them."""
+    scripts = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
+    for folder in (scripts, os.path.join(os.path.dirname(scripts), "build", "devel", "lib", "kinect_ekf_slam")):
+        path = os.path.join(folder, name)
+        if os.access(path, os.X_OK):
+            return path
+    from .cli import InputError
+    raise InputError(f"{name} is not built: run scripts/build.sh")
+
+
+def package_file(*parts):
+    """Path of one of the package's files, in the checkout or where it is installed."""
+    above = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+    installed = os.path.join(os.path.dirname(above), "share", "kinect_ekf_slam")
+    return os.path.join(above if os.path.exists(os.path.join(above, "package.xml")) else installed, *parts)
+
+
 def package_messages():
     """The generated module `kinect_ekf_slam.msg`: of the environment, or of the build next to the scripts."""
     try:

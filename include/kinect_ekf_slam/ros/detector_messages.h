@@ -1,0 +1,17 @@
+#pragma once
+
+#include <kinect_ekf_slam/LandmarkDetectionArray.h>
+#include <sensor_msgs/LaserScan.h>
+#include <std_msgs/Header.h>
+
+#include "kinect_ekf_slam/perception/findings.h"
+#include "kinect_ekf_slam/perception/laser_cylinder.h"
+
+namespace kinect_ekf_slam {
+
+LaserScan to_scan(const sensor_msgs::LaserScan& message);
+
+/// `header` is that of the picture or scan.
+LandmarkDetectionArray to_message(const Findings& findings, const std_msgs::Header& header);
+
+}  // namespace kinect_ekf_slam
