@@ -14,6 +14,7 @@ namespace {
 constexpr double kWidestGate = 64.0;  // squared distance; the quantile of 1 - 1e-12 in space is 58
 
 }  // namespace
+
 /// The associator's view of one particle, of the candidates only.
 template <class Space>
 class FastSlam<Space>::Prediction : public PredictedMap<Space> {
