@@ -9,6 +9,12 @@
 #include "kinect_ekf_slam/core/chi_square.h"
 
 namespace kinect_ekf_slam {
+namespace {
+
+constexpr double kWidestGate = 64.0;  // squared distance; the quantile of 1 - 1e-12 in space is 58
+
+}  // namespace
+
 /// The associator's view of one particle, of the candidates only.
 template <class Space>
 class FastSlam<Space>::Prediction : public PredictedMap<Space> {
@@ -115,7 +121,6 @@ void FastSlam<Space>::draw_pose(const PoseVector& white, Particle* particle) {
 
 template <class Space>
 double FastSlam<Space>::squared_reach(const Observation<Space>& observation) const {
-  constexpr double kWidestGate = 64.0;  // squared distance; quantile of 1 - 1e-12 in space: 58
   const auto by_pose = Space::point_by_pose(observation.position_in_base);
   double variance = 0.0;
   for (const Particle& particle : particles_) {
@@ -126,7 +131,6 @@ double FastSlam<Space>::squared_reach(const Observation<Space>& observation) con
 
 template <class Space>
 std::vector<int> FastSlam<Space>::candidates(const Observations& observations) const {
-  constexpr double kWidestGate = 64.0;
   const bool by_identity = associator_->knows_identities();
   std::vector<Box> seen(by_identity ? 0 : observations.size());
   std::vector<double> reach(seen.size());

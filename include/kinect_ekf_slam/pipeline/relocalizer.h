@@ -33,7 +33,7 @@ class Relocalizer {
 
   /// The pose, when the search has found it; the search is then over.
   std::optional<PoseEstimate<Space>> search(const std::vector<Observation<Space>>& observations) {
-    const auto found = search_->observe(observations);
+    auto found = search_->observe(observations);
     if (!found) return std::nullopt;
     stop();
     state_ = Localization::kFound;

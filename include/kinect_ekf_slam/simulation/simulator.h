@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "kinect_ekf_slam/core/landmark.h"
+#include "kinect_ekf_slam/core/random_stream.h"
 #include "kinect_ekf_slam/core/space.h"
 #include "kinect_ekf_slam/core/time.h"
-#include "kinect_ekf_slam/core/random_stream.h"
 #include "kinect_ekf_slam/simulation/waypoint_driver.h"
 #include "kinect_ekf_slam/simulation/world.h"
 

@@ -59,7 +59,8 @@ TEST(Parameters, SayWhichRequiredKeyIsMissing) {
 
 TEST(Parameters, SayWhichNamesAreKnown) {
   EXPECT_EQ(refusal("estimator/type=kalman"),
-            "estimator/type: 'kalman' given, allowed: one of ekf, invariant_ekf, ukf, dead_reckoning");
+            "estimator/type: 'kalman' given, allowed: one of ekf, invariant_ekf, compressed_ekf, ukf, "
+            "fastslam1, fastslam2, dead_reckoning");
   EXPECT_EQ(refusal("association/type=best"),
             "association/type: 'best' given, allowed: one of known, nearest_neighbor");
   EXPECT_EQ(refusal("mode=mapping"), "mode: 'mapping' given, allowed: one of slam, localization");
