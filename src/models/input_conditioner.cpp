@@ -15,8 +15,10 @@ Eigen::Vector3d clamp(const Eigen::Vector3d& rates, double limit) {
 
 /// The vector, shortened to `limit` if it is longer.
 Eigen::Vector3d saturate(const Eigen::Vector3d& vector, double limit) {
-  const double norm = vector.norm();
-  return norm > limit ? Eigen::Vector3d(vector * (limit / norm)) : vector;
+  constexpr double kBeyondBelief = 1e100;  // m/s; the square of a larger one overflows
+  const Eigen::Vector3d sane = clamp(vector, kBeyondBelief);
+  const double norm = sane.norm();
+  return norm > limit ? Eigen::Vector3d(sane * (limit / norm)) : sane;
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "kinect_ekf_slam/core/angles.h"
@@ -51,6 +52,19 @@ TEST(Saturation, ShortensASidewaysVelocityWithoutTurningIt) {
   fast.linear = {3.0, 4.0, 0.0};
   conditioner.add_odometry(1, fast);
   EXPECT_TRUE(MatrixNear(conditioner.velocity(1).linear, Eigen::Vector3d(0.132, 0.176, 0.0), 1e-12));
+}
+
+TEST(Saturation, ClampsWhatOverflows) {
+  InputOptions options = without_bias();
+  for (const double scale : {1.0, 2.0}) {
+    options.linear_scale = options.angular_scale = scale;
+    for (const double huge : {1e200, -1e300, 1.7e308}) {
+      InputConditioner conditioner(options);
+      conditioner.add_odometry(1, velocity(huge, huge));
+      EXPECT_DOUBLE_EQ(conditioner.velocity(1).linear.x(), std::copysign(0.22, huge));
+      EXPECT_DOUBLE_EQ(conditioner.velocity(1).angular.z(), std::copysign(1.1, huge));
+    }
+  }
 }
 
 TEST(Saturation, HoldsForTheGyroToo) {
