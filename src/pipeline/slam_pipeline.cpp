@@ -32,6 +32,12 @@ bool is_covariance(const Matrix& matrix) {
          Eigen::LLT<Matrix>(matrix).info() == Eigen::Success;
 }
 
+/// Finite, and no farther than any sensor sees: the digits of a larger number drown those of the map.
+bool is_place(const Eigen::Vector3d& point_in_base) {
+  constexpr double kFarthest = 1e6;  // m
+  return (point_in_base.array().abs() <= kFarthest).all();
+}
+
 /// Carries something that moves from frame to frame: how far, and how surely.
 template <class Space>
 class Motion {
@@ -211,7 +217,7 @@ class SpacePipeline : public SlamPipeline {
       outcome.position_in_map = detections[i].position_in_base;  // moved into the map below
       if (late) {
         outcome.verdict = Verdict::kLate;
-      } else if (!detections[i].position_in_base.allFinite()) {
+      } else if (!is_place(detections[i].position_in_base)) {
         outcome.verdict = Verdict::kInvalid;
       } else if (!in_range(detections[i], sensor_)) {
         outcome.verdict = Verdict::kOutOfRange;

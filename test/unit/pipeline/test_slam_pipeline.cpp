@@ -134,6 +134,20 @@ TEST(SlamPipeline, CountsWhatIsInvalidAndTakesTheRest) {
   EXPECT_EQ(pipeline->map().size(), 1U);
 }
 
+/// The depth alone does not tell: a huge height of a tilted sensor or a huge mounting passes the range gate.
+TEST(SlamPipeline, APlaceThatIsNowhereIsInvalid) {
+  const auto pipeline = make_pipeline(wide_open());
+  Detection nowhere = detection(2.0, 0.0, 1);
+  for (const double huge : {1e9, -1e155, 1.7e308}) {
+    nowhere.position_in_base.y() = huge;
+    const SlamResult result = pipeline->process(detection_frame(1.0, {nowhere, detection(2.0, 1.0, 2)}));
+    EXPECT_EQ(result.outcomes[0].verdict, Verdict::kInvalid) << huge;
+    EXPECT_TRUE(is_accepted(result.outcomes[1].verdict)) << huge;
+  }
+  EXPECT_EQ(pipeline->map().size(), 1U);
+  EXPECT_TRUE(pipeline->save().covariance.allFinite());
+}
+
 TEST(SlamPipeline, GatesByRangeAndKeepsTheOrderOfOutcomes) {
   PipelineOptions options = wide_open();
   options.sensor = SensorOptions();
