@@ -1,6 +1,7 @@
 """Each launch file loads; its nodes, files and documentation are there."""
 import glob
 import os
+import shlex
 import unittest
 import xml.etree.ElementTree
 from unittest import mock
@@ -75,7 +76,7 @@ class LaunchFiles(unittest.TestCase):
             with self.subTest(path=path, arguments=arguments):
                 files = [parameters[name] for name in ("/simulator_node/world",) if name in parameters]
                 files += [nodes["rviz"].args.split()[-1]] if "rviz" in nodes else []
-                files += [nodes["player"].args.split()[-1]] if "player" in nodes else []
+                files += [shlex.split(nodes["player"].args)[-1]] if "player" in nodes else []
                 for file in files:
                     self.assertTrue(os.path.isfile(file), file)
 
@@ -83,9 +84,13 @@ class LaunchFiles(unittest.TestCase):
         environment = dict(os.environ, PWD="/somewhere")
         with mock.patch.dict(os.environ, environment):
             nodes, _ = load(os.path.join(ROOT, "launch", "replay.launch"), {"bag": "a.bag"})
-            self.assertTrue(nodes["player"].args.endswith(" /somewhere/a.bag"), nodes["player"].args)
+            self.assertEqual(shlex.split(nodes["player"].args)[-1], "/somewhere/a.bag")
             _, parameters = load(os.path.join(ROOT, "launch", "simulation.launch"), {"world": "a.yaml"})
             self.assertEqual(parameters["/simulator_node/world"], "/somewhere/a.yaml")
+
+    def test_a_bag_may_have_blanks_in_its_name(self):
+        nodes, _ = load(os.path.join(ROOT, "launch", "replay.launch"), {"bag": "/some where/my run.bag"})
+        self.assertEqual(shlex.split(nodes["player"].args)[-1], "/some where/my run.bag")
 
     def test_slam_starts_from_the_defaults_of_slam_yaml(self):
         with open(os.path.join(ROOT, "config", "slam.yaml"), encoding="utf-8") as file:
