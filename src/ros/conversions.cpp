@@ -40,6 +40,15 @@ Eigen::Isometry3d to_eigen(const geometry_msgs::Transform& transform) {
   return isometry(to_eigen(transform.translation), transform.rotation);
 }
 
+bool is_pose(const geometry_msgs::Pose& message) {
+  constexpr double kFarthest = 1e9;   // m
+  constexpr double kShortest = 1e-6;  // a quaternion's norm; its square has to be a number as well
+  constexpr double kLongest = 1e6;
+  const auto& q = message.orientation;
+  const double norm = std::hypot(std::hypot(q.x, q.y), std::hypot(q.z, q.w));
+  return (to_eigen(message.position).array().abs() <= kFarthest).all() && norm > kShortest && norm < kLongest;
+}
+
 geometry_msgs::Vector3 to_vector(const Eigen::Vector3d& vector) {
   geometry_msgs::Vector3 message;
   message.x = vector.x();

@@ -20,12 +20,6 @@ constexpr std::uint32_t kLastSecond = 4000000000U;
 /// s of odometry without an IMU message after which the IMU is taken for gone.
 constexpr double kImuTimeout = 1.0;
 
-bool is_finite(const geometry_msgs::Pose& pose) {
-  const auto& q = pose.orientation;
-  const double norm = std::hypot(std::hypot(q.x, q.y), std::hypot(q.z, q.w));
-  return to_eigen(pose.position).allFinite() && std::isfinite(norm) && norm > 1e-6;
-}
-
 std::string without_slash(const std::string& frame_id) {
   return !frame_id.empty() && frame_id.front() == '/' ? frame_id.substr(1) : frame_id;
 }
@@ -139,8 +133,8 @@ bool SensorBridge::add_odometry(const nav_msgs::Odometry::ConstPtr& message, con
   frame.odometry =
       BodyVelocity{to_eigen(message->twist.twist.linear), to_eigen(message->twist.twist.angular)};
   if (!frame.odometry->linear.allFinite() || !frame.odometry->angular.allFinite() ||
-      !is_finite(message->pose.pose)) {
-    return refuse(input, "not finite", "pose or twist is not finite or its quaternion is zero");
+      !is_pose(message->pose.pose)) {
+    return refuse(input, "not finite", "pose or twist is not finite, or its quaternion is none");
   }
   frame.stamp = to_time(message->header.stamp) + to_nanoseconds(sync_.odometry_delay);
   if (!message->header.stamp.isZero() && frame.stamp <= 0) {

@@ -159,15 +159,12 @@ void SlamNode::on_initial_pose(const geometry_msgs::PoseWithCovarianceStamped::C
   }
   Pose3d pose;
   pose.map_from_base = to_eigen(message->pose.pose);
-  const auto& q = message->pose.pose.orientation;
-  const bool has_orientation = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w > 1e-6;
   const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> given(message->pose.covariance.data());
   const Matrix6d symmetric = 0.5 * (given + given.transpose());
   const bool has_covariance = given.allFinite() && given(0, 0) > 0.0 && given(1, 1) > 0.0 &&
                               given(5, 5) > 0.0 && given.maxCoeff() <= 1e6 &&
                               Eigen::SelfAdjointEigenSolver<Matrix6d>(symmetric).eigenvalues()(0) > -1e-9;
-  if (!pose.map_from_base.matrix().allFinite() || !has_orientation ||
-      (!has_covariance && !given.isZero(0.0))) {
+  if (!is_pose(message->pose.pose) || (!has_covariance && !given.isZero(0.0))) {
     ROS_WARN("initialpose: ignored, its pose or covariance is not finite or not positive");
     return;
   }

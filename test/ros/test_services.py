@@ -352,6 +352,12 @@ class InitialPose(SlamCase):
         turned_nowhere.pose.pose.orientation.z = math.nan
         self.assert_ignored(turned_nowhere)
 
+    def test_a_pose_beyond_all_places_is_ignored(self):
+        self.assert_ignored(self.message(pose=(1e200, 2.0, 0.5)))
+        message = self.message()
+        message.pose.pose.orientation.w = 1e200
+        self.assert_ignored(message)
+
     def test_a_pose_without_an_orientation_is_ignored(self):
         message = self.message()
         message.pose.pose.orientation.z = message.pose.pose.orientation.w = 0.0

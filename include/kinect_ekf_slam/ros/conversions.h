@@ -31,6 +31,10 @@ Eigen::Vector3d to_eigen(const geometry_msgs::Point& point);
 Eigen::Isometry3d to_eigen(const geometry_msgs::Pose& pose);
 Eigen::Isometry3d to_eigen(const geometry_msgs::Transform& transform);
 
+/// True for a place that a robot can be at (finite, at most 1e9 m away on each axis) and a quaternion that
+/// can be normalised.
+bool is_pose(const geometry_msgs::Pose& message);
+
 geometry_msgs::Vector3 to_vector(const Eigen::Vector3d& vector);
 geometry_msgs::Point to_point(const Eigen::Vector3d& point);
 geometry_msgs::Quaternion to_quaternion(const Eigen::Matrix3d& rotation);

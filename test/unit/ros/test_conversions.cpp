@@ -50,6 +50,22 @@ TEST(Conversions, AQuaternionNeedNotBeNormalised) {
       MatrixNear(to_eigen(message).matrix(), transform(Eigen::Vector3d::Zero(), 0.5 * kPi).matrix(), 1e-12));
 }
 
+TEST(Conversions, KnowWhatIsNoPose) {
+  geometry_msgs::Pose message;
+  EXPECT_FALSE(is_pose(message));  // its quaternion is zero
+  message.orientation.w = 1.0;
+  EXPECT_TRUE(is_pose(message));
+  for (const double huge :
+       {1e200, 1.7e308, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    geometry_msgs::Pose nowhere = message;
+    nowhere.position.z = huge;
+    EXPECT_FALSE(is_pose(nowhere)) << huge;
+    nowhere = message;
+    nowhere.orientation.x = huge;
+    EXPECT_FALSE(is_pose(nowhere)) << huge;
+  }
+}
+
 TEST(Conversions, KnowOpticalFramesByTheirNames) {
   EXPECT_TRUE(is_optical("camera_rgb_optical_frame"));
   EXPECT_TRUE(is_optical("kinect_optical"));

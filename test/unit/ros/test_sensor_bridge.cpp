@@ -161,10 +161,13 @@ TEST_F(Bridge, RefusesWhatIsNotFinite) {
   odometry = odometry_message(1.0);
   odometry.pose.pose.orientation.w = 0.0;
   EXPECT_FALSE(add(odometry));
+  odometry = odometry_message(1.0);
+  odometry.pose.pose.position.x = 1e300;  // tf could not carry map -> odom
+  EXPECT_FALSE(add(odometry));
   sensor_msgs::Imu imu = imu_message(1.0);
   imu.angular_velocity.x = kNan;
   EXPECT_FALSE(add(imu));
-  EXPECT_EQ(refusals(), (Counts{{"odometry: not finite", 4}, {"imu: not finite", 1}}));
+  EXPECT_EQ(refusals(), (Counts{{"odometry: not finite", 5}, {"imu: not finite", 1}}));
   EXPECT_TRUE(frames_out_.empty());
 }
 
