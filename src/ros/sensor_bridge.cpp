@@ -117,6 +117,7 @@ void SensorBridge::take(Input& input, TimeNs stamp) {
 std::optional<Eigen::Isometry3d> SensorBridge::base_from(const std::string& frame_id,
                                                          const ros::Time& stamp) const {
   if (frame_id == frames_.base) return Eigen::Isometry3d::Identity();
+  if (frame_id.empty() || frame_id.front() == '/') return std::nullopt;  // tf would complain at each look
   return lookup_(frames_.base, frame_id, stamp);
 }
 

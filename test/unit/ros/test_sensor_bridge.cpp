@@ -31,6 +31,8 @@ class Bridge : public ::testing::Test {
     handlers.on_time_jump = [this] { ++jumps_; };
     handlers.on_refusal = [this](const std::string& line) { lines_.push_back(line); };
     const auto lookup = [this](const std::string& target, const std::string& source, const ros::Time&) {
+      EXPECT_FALSE(source.empty() || source.front() == '/')
+          << "tf does not like to be asked for '" << source << "'";
       const auto known = transforms_.find(source);
       const bool found = target == "base_link" && known != transforms_.end();
       return found ? std::make_optional(known->second) : std::nullopt;
@@ -189,6 +191,16 @@ TEST_F(Bridge, RefusesWhatTfCannotPlace) {
   odometry(1.1);
   EXPECT_EQ(refusals(), (Counts{{"imu: no transform", 1}, {"landmarks: no transform", 1}}));
   EXPECT_EQ(looks(), 0);
+}
+
+TEST_F(Bridge, DoesNotAskTfForFramesThatCannotBe) {
+  double time = 1.0;
+  for (const char* frame : {"", "/", "//camera"}) {
+    sensor_msgs::Imu imu = imu_message(time += 1.0);
+    imu.header.frame_id = frame;
+    EXPECT_FALSE(add(imu)) << frame;
+  }
+  EXPECT_EQ(refusals(), (Counts{{"imu: no transform", 3}}));
 }
 
 TEST_F(Bridge, RefusesDetectionsWithoutAFrame) {
