@@ -83,7 +83,7 @@ void SlamNode::connect() {
   live_ = std::make_unique<dynamic_reconfigure::Server<SlamConfig>>(
       live_mutex_, ros::NodeHandle(private_handle_, names::kLive));
   live_->updateConfig(to_live_config(options_));
-  live_->setCallback([this](SlamConfig& config, std::uint32_t) { on_live_change(config); });
+  live_->setCallback([this](SlamConfig& config, std::uint32_t) { on_live_change(&config); });
 
   diagnostics_.setHardwareID("none");
   diagnostics_.add("inputs", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -191,12 +191,19 @@ void SlamNode::on_result(const SensorFrame& frame, const SlamResult& result) {
   association_publisher_.publish(to_message(result.outcomes, options_.frames.map, frame.stamp));
 }
 
-void SlamNode::on_live_change(const SlamConfig& config) {
-  if (!is_finite(config)) {
+void SlamNode::on_live_change(SlamConfig* config) {
+  if (!is_finite(*config)) {
     ROS_WARN("dynamic_reconfigure: ignored, a value is not finite");
+    *config = to_live_config(options_);  // or the next change would come with that value again
     return;
   }
-  apply_live_config(config, &options_);
+  if (config->sensor_min_depth > config->sensor_max_depth) {
+    ROS_WARN("dynamic_reconfigure: ignored, sensor_min_depth %g is more than sensor_max_depth %g",
+             config->sensor_min_depth, config->sensor_max_depth);
+    *config = to_live_config(options_);
+    return;
+  }
+  apply_live_config(*config, &options_);
   session_.set_live_options(options_.pipeline);
   painter_.set_sigmas(options_.output.marker_sigmas);
   scene_changed_ = true;

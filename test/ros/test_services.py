@@ -405,6 +405,22 @@ class LiveParameters(SlamCase):
         run.drive(0.2)
         self.assertIn("out_of_range", {item.verdict for item in run.associations.last.associations})
 
+    def test_a_value_that_is_no_number_does_not_stay_in_the_way(self):
+        run = self.start()
+        client = self.client(run)
+        present = client.update_configuration({"sensor_max_depth": math.nan})
+        self.assertEqual(present["sensor_max_depth"], 2.6)
+        client.update_configuration({"output_marker_sigmas": 2.0})
+        run.drive(0.2)
+        self.assertEqual(run.process.said().count("not finite"), 1, run.process.said())
+
+    def test_depths_that_leave_nothing_to_see_are_refused(self):
+        run = self.start(speed=0.0, turn=0.0)
+        present = self.client(run).update_configuration({"sensor_min_depth": 2.0, "sensor_max_depth": 1.0})
+        self.assertEqual((present["sensor_min_depth"], present["sensor_max_depth"]), (0.6, 2.6))
+        run.drive(0.2)
+        self.assertEqual({item.verdict for item in run.associations.last.associations}, {"created"})
+
     def test_changing_one_leaves_the_others(self):
         # A camera that looks back: the parameter file allows a depth below zero.
         run = self.start({"sensor/min_depth": -3.0}, speed=0.0, turn=0.0, landmarks={1: ("red", -1.0, 0.5)})

@@ -46,7 +46,7 @@ class SlamNode {
   void on_landmarks(const LandmarkDetectionArray::ConstPtr& message);
   void on_initial_pose(const geometry_msgs::PoseWithCovarianceStamped::ConstPtr& message);
   void on_result(const SensorFrame& frame, const SlamResult& result);
-  void on_live_change(const SlamConfig& config);
+  void on_live_change(SlamConfig* config);
 
   bool save_map(SaveMap::Request& request, SaveMap::Response& response);
   bool load_map(LoadMap::Request& request, LoadMap::Response& response);
