@@ -368,6 +368,10 @@ bool SlamNode::relocalize(std_srvs::Trigger::Request& /*request*/, std_srvs::Tri
 
 void SlamNode::shut_down() {
   if (!options_.map.save_at_exit) return;
+  if (session_.pipeline().map().empty()) {  // a map of an earlier run is worth more than none
+    std::printf("slam_node: no landmark was mapped, nothing saved\n");
+    return;
+  }
   try {
     std::printf("slam_node: map saved to %s\n", save("").c_str());
   } catch (const MapFileError& error) {

@@ -154,6 +154,16 @@ class MapFiles(SlamCase):
         wait_until(lambda: len(other.map.last.landmarks) == 4, "the loaded map is shown")
         self.assert_same_landmarks(other.saved_map(), saved)
 
+    def test_a_run_that_mapped_nothing_does_not_replace_a_map_at_its_end(self):
+        run = self.start()
+        run.drive(1.0)
+        saved = run.saved_map()
+        idle = self.start({"map/save_at_exit": True, "map/file_name": "snapshot_of_the_test.yaml"},
+                          map_directory=run.map_directory)
+        idle.process.stop()
+        with open(os.path.join(run.map_directory, "snapshot_of_the_test.yaml"), encoding="utf-8") as file:
+            self.assertEqual(yaml.safe_load(file), saved)
+
     def test_a_folder_that_cannot_be_written_is_told(self):
         run = self.start({"map/directory": "/proc/kinect_ekf_slam"})
         reply = run.save_map("room.yaml")
