@@ -1,6 +1,8 @@
 #include "kinect_ekf_slam/ros/parameters.h"
 
 #include <cmath>
+#include <filesystem>
+#include <limits>
 #include <sstream>
 
 #include "kinect_ekf_slam/ros/parameter_visitor.h"
@@ -287,6 +289,8 @@ RunOptions read_run_options(const std::vector<std::string>& configs, const std::
                             const std::function<void(const std::string&)>& warn) {
   YAML::Node yaml = YAML::Load(default_parameters());
   for (const std::string& file : configs) {
+    std::error_code unreadable;  // is told below
+    if (std::filesystem::is_directory(file, unreadable)) throw ParameterError(file + ": is a folder");
     try {
       const YAML::Node overlay = YAML::LoadFile(file);
       if (!overlay.IsMap() && !overlay.IsNull()) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <yaml-cpp/yaml.h>
 
 #include <limits>
@@ -118,7 +120,11 @@ class ParameterVisitor {
       } catch (const YAML::Exception&) {
         fail(key, item, allowed);
       }
-      if (transform.xyz.size() != 3 || transform.rpy_deg.size() != 3) fail(key, item, allowed);
+      const bool has_frames = is_frame(transform.parent) && is_frame(transform.child);
+      if (!has_frames || transform.parent == transform.child || !is_triple(transform.xyz) ||
+          !is_triple(transform.rpy_deg)) {
+        fail(key, item, allowed);  // tf would ignore it
+      }
       value->push_back(std::move(transform));
     }
   }
@@ -150,6 +156,12 @@ class ParameterVisitor {
   std::vector<ParameterInfo> infos() const { return infos_; }
 
  private:
+  static bool is_frame(const std::string& name) { return !name.empty() && name.front() != '/'; }
+  static bool is_triple(const std::vector<double>& values) {
+    return values.size() == 3 &&
+           std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+  }
+
   static std::string range(double low, double high) {
     if (high == kInfinity) return low == -kInfinity ? "of any size" : ">= " + text_of(low);
     return "from " + text_of(low) + " to " + text_of(high);

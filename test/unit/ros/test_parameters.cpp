@@ -103,6 +103,14 @@ TEST(Parameters, SayWhichTypeIsExpected) {
   EXPECT_EQ(refusal("frames/static_transforms=[{parent: a, child: b, xyz: [0, 0], rpy_deg: [0, 0, 0]}]"),
             "frames/static_transforms: '{parent: a, child: b, xyz: [0, 0], rpy_deg: [0, 0, 0]}' given, " +
                 transforms);
+  for (const char* useless : {"{parent: a, child: a, xyz: [0, 0, 0], rpy_deg: [0, 0, 0]}",
+                              "{parent: \"\", child: b, xyz: [0, 0, 0], rpy_deg: [0, 0, 0]}",
+                              "{parent: a, child: /b, xyz: [0, 0, 0], rpy_deg: [0, 0, 0]}",
+                              "{parent: a, child: b, xyz: [.nan, 0, 0], rpy_deg: [0, 0, 0]}",
+                              "{parent: a, child: b, xyz: [0, 0, 0], rpy_deg: [0, .inf, 0]}"}) {
+    EXPECT_EQ(refusal("frames/static_transforms=[" + std::string(useless) + "]"),
+              "frames/static_transforms: '" + std::string(useless) + "' given, " + transforms);
+  }
 }
 
 TEST(Parameters, RefuseAStartThatIsNowhere) {
@@ -224,6 +232,8 @@ TEST(Configurations, SayWhatIsWrongWithAFile) {
   EXPECT_EQ(refusal_of("[1, 2]"), folder / "a.yaml" + ": not a YAML map of parameter groups");
   EXPECT_EQ(refusal_of("a: [1").rfind(folder / "a.yaml" + ": not YAML: ", 0), 0U);
   EXPECT_EQ(refusal_of(""), "");
+  EXPECT_EQ(message_of<ParameterError>([&] { read_run_options({folder / ""}, {}, nullptr); }),
+            folder / "" + ": is a folder");
 }
 
 }  // namespace
