@@ -8,6 +8,7 @@
 #include <chrono>
 #include <ctime>
 #include <memory>
+#include <new>
 #include <set>
 #include <stdexcept>
 
@@ -232,6 +233,10 @@ ReplayReport replay_bag(const ReplayRequest& request) {
     return Replay(request, bag, Topics(bag, request.bag, request.options.sync)).run();
   } catch (const rosbag::BagException& error) {
     throw std::runtime_error(request.bag + ": not a readable bag: " + error.what());
+  } catch (const ros::Exception& error) {  // a message that is shorter than it says
+    throw std::runtime_error(request.bag + ": not a readable bag: " + error.what());
+  } catch (const std::bad_alloc&) {
+    throw std::runtime_error(request.bag + ": not a readable bag: a length in it is beyond the memory");
   }
 }
 

@@ -186,6 +186,18 @@ TEST_F(BagReplay, SaysThatAFileIsNoBag) {
   }
 }
 
+TEST_F(BagReplay, SaysInWhichBagAMessageIsDamaged) {
+  write_run();
+  std::string bytes = read_text(request_.bag);
+  const std::size_t name =
+      bytes.find("base_footprint");  // in the first message that has one; its length comes before
+  ASSERT_NE(name, std::string::npos);
+  bytes.replace(name - 4, 4, "\xFF\xFF\xFF\x0F");
+  write_text(request_.bag, bytes);
+  const std::string line = refusal();
+  EXPECT_EQ(line.rfind(request_.bag + ": not a readable bag: ", 0), 0U) << line;
+}
+
 TEST_F(BagReplay, SaysThatABagIsCutOff) {
   write_run();
   const std::string whole = read_text(request_.bag);
