@@ -20,8 +20,10 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "kinect_ekf_slam map";
 constexpr int kVersion = 1;
-constexpr std::size_t kLongestKey = 1000;           // bytes; YAML wants a mark before a longer one
-constexpr std::uintmax_t kLargestFile = 1U << 30U;  // bytes; a larger one is no map of ours
+constexpr std::size_t kLongestKey = 1000;             // bytes; YAML wants a mark before a longer one
+constexpr double kFarthest = 1e9;                     // m; nothing is mapped beyond
+constexpr double kLeastSure = kFarthest * kFarthest;  // m^2
+constexpr std::uintmax_t kLargestFile = 1U << 30U;    // bytes; a larger one is no map of ours
 
 /// The shortest text that reads back as the same number.
 std::string exact(double value) {
@@ -53,12 +55,15 @@ double finite(const YAML::Node& node, const char* what) {
   return value;
 }
 
-Eigen::VectorXd numbers(const YAML::Node& node, Eigen::Index count, const char* what) {
+Eigen::VectorXd numbers(const YAML::Node& node, Eigen::Index count, double limit, const char* what) {
   if (!node.IsSequence() || static_cast<Eigen::Index>(node.size()) != count) {
     throw MapFileError(std::string(what) + " should have " + std::to_string(count) + " numbers");
   }
   Eigen::VectorXd values(count);
   for (Eigen::Index i = 0; i < count; ++i) values(i) = finite(node[i], what);
+  if ((values.array().abs() > limit).any()) {
+    throw MapFileError(std::string(what) + " is beyond " + exact(limit));
+  }
   return values;
 }
 
@@ -101,7 +106,10 @@ LandmarkInfo landmark_info(const YAML::Node& node) {
   if (info.radius < 0.0 || info.observations > kMost || info.radius_observations > kMost) {
     throw MapFileError("landmark " + std::to_string(info.id) + ": radius or observations cannot be");
   }
-  for (const auto& vote : node["label_votes"]) {
+  const YAML::Node votes = node["label_votes"];
+  if (!votes.IsMap())
+    throw MapFileError("landmark " + std::to_string(info.id) + ": label_votes is not a map");
+  for (const auto& vote : votes) {
     info.label_votes[vote.first.as<std::string>()] = vote.second.as<std::uint32_t>();
   }
   return info;
@@ -116,7 +124,7 @@ SavedState parse(const YAML::Node& root, const std::string& expected_frame) {
   state.space = root["space"].as<std::string>();
   const Layout layout = layout_of(state.space);
   state.stamp = root["stamp_ns"].as<TimeNs>();
-  state.pose = numbers(root["pose"], layout.pose_numbers, "pose");
+  state.pose = numbers(root["pose"], layout.pose_numbers, kFarthest, "pose");
   check_pose(state);
   const YAML::Node landmarks = root["landmarks"];
   if (!landmarks.IsSequence()) throw MapFileError("landmarks is not a list");
@@ -126,7 +134,7 @@ SavedState parse(const YAML::Node& root, const std::string& expected_frame) {
   for (Eigen::Index i = 0; i < count; ++i) {
     state.infos.push_back(landmark_info(landmarks[i]));
     state.landmarks_in_map.row(i) =
-        numbers(landmarks[i]["position"], layout.point_dim, "a position").transpose();
+        numbers(landmarks[i]["position"], layout.point_dim, kFarthest, "a position").transpose();
     if (state.infos.back().id < 0 || !ids.insert(state.infos.back().id).second) {
       throw MapFileError("landmark id " + std::to_string(state.infos.back().id) +
                          " is negative or used twice");
@@ -139,7 +147,8 @@ SavedState parse(const YAML::Node& root, const std::string& expected_frame) {
   }
   state.covariance.setZero(size, size);
   for (Eigen::Index i = 0; i < size; ++i) {
-    state.covariance.row(i).head(i + 1) = numbers(rows[i], i + 1, "a row of the covariance").transpose();
+    state.covariance.row(i).head(i + 1) =
+        numbers(rows[i], i + 1, kLeastSure, "a row of the covariance").transpose();
   }
   state.covariance = state.covariance.selfadjointView<Eigen::Lower>();
   if (Eigen::LDLT<Eigen::MatrixXd> ldlt(state.covariance);

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <set>
 #include <sstream>

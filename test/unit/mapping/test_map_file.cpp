@@ -88,7 +88,7 @@ TEST_F(MapFile, WritesTheSameTextAgain) {
 
 TEST_F(MapFile, KeepsNumbersOfAnySize) {
   SavedState state = sample_map();
-  state.landmarks_in_map(0, 0) = std::numeric_limits<double>::max();
+  state.landmarks_in_map(0, 0) = std::nextafter(1e9, 0.0);
   state.landmarks_in_map(0, 1) = std::numeric_limits<double>::denorm_min();
   state.landmarks_in_map(1, 0) = -0.0;
   state.landmarks_in_map(1, 1) = std::nextafter(0.1, 1.0);
@@ -234,6 +234,18 @@ TEST_F(MapFile, IsRefusedWithNumbersThatAreNone) {
   EXPECT_EQ(refusal_after("radius: ", "radius: .nan, old: "), "a radius is not finite");
   EXPECT_NE(refusal_after("position: [", "position: [here, there], old: [").find("damaged: "),
             std::string::npos);
+}
+
+TEST_F(MapFile, IsRefusedWithNumbersBeyondAllPlaces) {
+  EXPECT_EQ(refusal_after("position: [", "position: [1e300, 0], old: ["), "a position is beyond 1e+09");
+  EXPECT_EQ(refusal_after("pose: [", "pose: [0, -1e200, 0]\nold: ["), "pose is beyond 1e+09");
+  EXPECT_EQ(refusal_after("covariance_lower_triangle:\n- [", "covariance_lower_triangle:\n- [1e300]\n# ["),
+            "a row of the covariance is beyond 1e+18");
+}
+
+TEST_F(MapFile, IsRefusedWhenItsVotesAreNone) {
+  EXPECT_EQ(refusal_after("label_votes: {", "label_votes: 7, old: {"),
+            "landmark 1: label_votes is not a map");
 }
 
 TEST_F(MapFile, IsRefusedWhenTwoLandmarksShareANumber) {
