@@ -2,6 +2,7 @@
 # Builds the package in build/; afterwards `build/devel/env.sh COMMAND` runs any command with it found.
 #   scripts/build.sh [CMAKE OPTION ...]     for example  scripts/build.sh -Dkinect_ekf_slam_WARNINGS_AS_ERRORS=ON
 set -euo pipefail
+case ${1:-} in -h|--help) sed -n '2,3s/^# \?//p' "$0"; exit 0 ;; esac
 cd "$(dirname "$0")/.."
 export PATH=/usr/bin:$PATH   # catkin needs the system's Python
 unset PYTHONHOME PYTHONPATH CMAKE_PREFIX_PATH_OVERRIDE

@@ -2,6 +2,11 @@
 # Style and structure: clang-format, clang-tidy, catkin_lint, who may include what. Writes build/test_results/checks.xml.
 #   build/devel/env.sh scripts/checks.sh [--quick]     --quick leaves out clang-tidy
 set -uo pipefail
+case ${1:-} in
+  ''|--quick) ;;
+  -h|--help) sed -n '2,3s/^# \?//p' "$0"; exit 0 ;;
+  *) echo "checks.sh: $1: unknown option; see --help" >&2; exit 2 ;;
+esac
 cd "$(dirname "$0")/.."
 results=build/test_results/checks.xml
 log=build/checks

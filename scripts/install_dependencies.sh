@@ -2,6 +2,11 @@
 # Installs what the package needs to build, run and test, and nothing when it is already there.
 # Debian: the distribution's own ROS 1 packages. Elsewhere: rosdep, if a ROS apt source is set up.
 set -euo pipefail
+case ${1:-} in
+  '') ;;
+  -h|--help) sed -n '2,3s/^# \?//p' "$0"; exit 0 ;;
+  *) echo "install_dependencies.sh: $1: unknown option; see --help" >&2; exit 2 ;;
+esac
 cd "$(dirname "$0")/.."
 export PATH=/usr/bin:$PATH DEBIAN_FRONTEND=noninteractive
 

@@ -3,10 +3,15 @@
 #   scripts/test.sh [--quick]     --quick leaves out clang-tidy, which takes minutes
 # Recorded data by others are found through SLAM_DATA; without them their tests are skipped, visibly.
 set -uo pipefail
+quick=false
+case ${1:-} in
+  '') ;;
+  --quick) quick=true ;;
+  -h|--help) sed -n '2,4s/^# \?//p' "$0"; exit 0 ;;
+  *) echo "test.sh: $1: unknown option; see --help" >&2; exit 2 ;;
+esac
 cd "$(dirname "$0")/.."
 export PATH=/usr/bin:$PATH JOBS="${JOBS:-2}"
-quick=false
-[ "${1:-}" = --quick ] && quick=true
 
 export SLAM_DATA="${SLAM_DATA:-$(cd .. && pwd)/shared/data}"
 step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }

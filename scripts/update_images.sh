@@ -3,6 +3,11 @@
 # consistency study.
 #   scripts/update_images.sh
 set -euo pipefail
+case ${1:-} in
+  '') ;;
+  -h|--help) sed -n '2,3s/^# \?//p' "$0"; exit 0 ;;
+  *) echo "update_images.sh: $1: unknown option; see --help" >&2; exit 2 ;;
+esac
 cd "$(dirname "$0")/.."
 export PATH=/usr/bin:$PATH
 unset DISPLAY   # the same picture everywhere: no window manager, no other screen
