@@ -2,10 +2,27 @@
 
 #include <tf2_ros/transform_listener.h>
 
+#include "kinect_ekf_slam/ros/command_line.h"
 #include "kinect_ekf_slam/ros/parameter_server.h"
 #include "kinect_ekf_slam/ros/parameters.h"
 
+namespace {
+
+constexpr const char* kUsage =
+    "usage: slam_node [NAME:=VALUE ...]\n"
+    "\n"
+    "Landmark SLAM, live: a ROS node that needs a master. Its launch file loads the defaults:\n"
+    "  roslaunch kinect_ekf_slam slam.launch [config:=FILE.yaml] [rviz:=true]\n"
+    "Topics, services and parameters: README.md, or `slam_replay --parameters`.\n"
+    "  NAME:=VALUE   remappings, and _group/key:=value for private parameters, as for every ROS node\n"
+    "Exit: 0 stopped, 1 a parameter or map cannot be used (one line says why).\n";
+
+}  // namespace
+
 int main(int argc, char** argv) {
+  kinect_ekf_slam::CommandLine words("slam_node", kUsage, argc, argv);
+  while (words.next()) {
+  }
   ros::init(argc, argv, "slam_node");
   ros::NodeHandle handle;
   ros::NodeHandle private_handle("~");
