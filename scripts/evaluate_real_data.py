@@ -26,7 +26,7 @@ ESTIMATORS = ("invariant_ekf", "ekf", "compressed_ekf", "ukf", "fastslam1", "fas
 
 def default_data():
     """The data folder that the environment names, or the one beside the package's root."""
-    return os.environ.get("SLAM_DATA", os.path.join(os.path.dirname(ROOT), "shared", "data"))
+    return os.environ.get("SLAM_DATA") or os.path.join(os.path.dirname(ROOT), "shared", "data")
 
 
 def script(name, *arguments):
@@ -115,7 +115,7 @@ def print_husky(results):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", default=default_data(), help="folder of the recorded data (default: SLAM_DATA)")
+    parser.add_argument("--data", default=default_data(), help="folder of the recorded data (default: SLAM_DATA, else shared/data beside the package)")
     parser.add_argument("--out", default=os.path.join(ROOT, "runs", "real_data"), help="folder for bags and results")
     parser.add_argument("--set", nargs="+", default=[], metavar="group/key=value", dest="settings",
                         help="parameters to try, over the configurations")
