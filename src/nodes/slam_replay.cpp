@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <exception>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -73,6 +74,10 @@ int main(int argc, char** argv) {
     request.options = kinect_ekf_slam::read_run_options(
         arguments.configs, arguments.settings,
         [](const std::string& line) { std::fprintf(stderr, "slam_replay: warning: %s\n", line.c_str()); });
+    std::map<std::string, std::string> refusals;  // the first of each kind: others differ in their stamps
+    request.on_warning = [&refusals](const std::string& line) {
+      refusals.emplace(line.substr(0, line.find_first_of("0123456789")), line);
+    };
     request.on_progress = kinect_ekf_slam::progress_bar();
     const kinect_ekf_slam::ReplayReport report = kinect_ekf_slam::replay_bag(request);
     kinect_ekf_slam::clear_progress_bar();
@@ -86,6 +91,8 @@ int main(int argc, char** argv) {
                    "slam_replay: warning: time went back %zu times; the results are of the last run\n",
                    report.new_runs);
     }
+    for (const auto& [kind, line] : refusals)
+      std::fprintf(stderr, "slam_replay: warning: %s\n", line.c_str());
     for (const auto& [reason, count] : report.refusals) {
       std::fprintf(stderr, "slam_replay: warning: %llu messages refused, %s\n",
                    static_cast<unsigned long long>(count), reason.c_str());
