@@ -66,6 +66,9 @@ void Health::reset_estimate() {
 void Health::report_inputs(const SensorBridge& bridge, const ros::Time& now,
                            diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.summary(DiagnosticStatus::OK, "inputs arrive");
+  std::map<std::string, std::uint64_t> refused_of;
+  for (const auto& [reason, count] : bridge.refusals())
+    refused_of[reason.substr(0, reason.find(':'))] += count;
   const double elapsed = std::max((now - last_report_).toSec(), 1e-3);
   for (auto& [name, topic] :
        std::map<std::string, std::string>{{"odometry", expectation_.odometry_topic},
@@ -76,6 +79,11 @@ void Health::report_inputs(const SensorBridge& bridge, const ros::Time& now,
     status.addf(name + " rate (Hz)", "%.1f", static_cast<double>(input.since_report) / elapsed);
     status.add(name + " age of the last (s)",
                input.last.isZero() ? std::string("never came") : std::to_string((now - input.last).toSec()));
+    const std::uint64_t refused = refused_of[name];
+    const std::uint64_t newly_refused = refused - std::min(refused, input.refused);
+    if (newly_refused > 1 && newly_refused >= input.since_report)
+      status.summary(DiagnosticStatus::WARN, "every message on " + topic + " is refused");
+    input.refused = refused;
     input.since_report = 0;
   }
   last_report_ = now;

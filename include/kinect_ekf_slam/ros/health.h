@@ -43,6 +43,7 @@ class Health {
   struct Input {
     ros::Time last;
     std::uint64_t since_report = 0;
+    std::uint64_t refused = 0;  ///< at the last report
   };
 
   Expectation expectation_;
