@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kinect_ekf_slam/simulation/random_stream.h"
+#include "kinect_ekf_slam/core/random_stream.h"
 
 namespace kinect_ekf_slam {
 

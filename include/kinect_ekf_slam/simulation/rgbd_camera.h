@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "kinect_ekf_slam/simulation/random_stream.h"
+#include "kinect_ekf_slam/core/random_stream.h"
 #include "kinect_ekf_slam/simulation/scene.h"
 
 namespace kinect_ekf_slam {
