@@ -63,7 +63,7 @@ void shape_as_ellipsoid(const Ellipsoid& shape, Marker* marker) {
 template <int kDim>
 Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kDim, kDim>> axes_of(
     const Eigen::Matrix<double, kDim, kDim>& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kDim, kDim>> solver(covariance);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kDim, kDim>> solver(covariance);
   const double largest = solver.eigenvalues()(kDim - 1);
   if (!covariance.allFinite() || solver.eigenvalues()(0) < -1e-9 * std::max(1.0, largest) ||
       !(largest > 0.0)) {
