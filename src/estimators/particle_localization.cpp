@@ -373,6 +373,8 @@ bool ParticleLocalization<Space>::excludes_others(const Pose& map_from_base) {
 }
 
 template class ParticleSearch<Planar>;
+template class ParticleSearch<Spatial>;
 template class ParticleLocalization<Planar>;
+template class ParticleLocalization<Spatial>;
 
 }  // namespace kinect_ekf_slam
