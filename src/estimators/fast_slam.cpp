@@ -143,7 +143,8 @@ std::vector<int> FastSlam<Space>::candidates(const Observations& observations) c
   const auto matters = [&](const Track& track, std::size_t k) {
     if (by_identity) return track.info.source_id == observations[k].signature.source_id;
     const double distance = std::sqrt(seen[k].squaredExteriorDistance(track.box));
-    return distance <= std::max(std::sqrt(reach[k] + kWidestGate * track.variance), associator_->reach().distance);
+    return distance <=
+           std::max(std::sqrt(reach[k] + kWidestGate * track.variance), associator_->reach().distance);
   };
   std::vector<int> tracks;
   for (std::size_t track = 0; track < tracks_.size(); ++track) {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "kinect_ekf_slam/study/kidnapped_study.h"
 #include "kinect_ekf_slam/ros/parameters.h"
+#include "kinect_ekf_slam/study/kidnapped_study.h"
 
 namespace kinect_ekf_slam {
 namespace {
