@@ -34,7 +34,7 @@ class StartUp(unittest.TestCase):
             self.assert_refused({key: None}, key + ":", "missing", "config/slam.yaml")
 
     def test_a_name_that_does_not_exist(self):
-        self.assert_refused({"estimator/type": "foo"}, "estimator/type:", "'foo'", "allowed", "ekf, dead_reckoning")
+        self.assert_refused({"estimator/type": "foo"}, "estimator/type:", "'foo'", "allowed", "ekf, invariant_ekf")
         self.assert_refused({"association/type": "foo"}, "association/type:", "'foo'", "known, nearest_neighbor")
         self.assert_refused({"input/heading_source": "compass"}, "input/heading_source:", "'compass'", "gyrodometry, odometry, imu")
         self.assert_refused({"mode": "mapping"}, "mode:", "'mapping'", "slam, localization")

@@ -1,13 +1,12 @@
 #include "kinect_ekf_slam/ros/parameters.h"
 
-#include "kinect_ekf_slam/perception/palette.h"
-#include "kinect_ekf_slam/ros/detector_options.h"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <set>
 
+#include "kinect_ekf_slam/perception/palette.h"
+#include "kinect_ekf_slam/ros/detector_options.h"
 #include "test/support/temporary_folder.h"
 
 namespace kinect_ekf_slam {
