@@ -69,6 +69,7 @@ class Evaluation:
     metrics: Dict[str, object]
     planar: bool
     path_errors: Optional[PathErrors]
+    start_nees: Optional[np.ndarray]       # of the path laid on the truth at its start, at path_errors' stamps
     path_in_truth: Path                    # the whole estimated path
     dead_reckoning_in_truth: Optional[Path]
     landmarks_in_truth: np.ndarray         # positions of all estimated landmarks
@@ -366,7 +367,7 @@ def evaluate(estimate, truth, alignment):
     metrics["landmarks_estimated"] = len(estimate.landmarks)
 
     # the path
-    errors = path_transform = start_transform = dead_reckoning_transform = None
+    errors = start_nees = path_transform = start_transform = dead_reckoning_transform = None
     measured_path = estimate.path
     if truth.path is not None:
         estimated, covariances, true = pair_paths(estimate.path, estimate.covariances, truth.path)
@@ -383,7 +384,8 @@ def evaluate(estimate, truth, alignment):
                                                      true.positions[0], true.quaternions[0], planar)
             start_errors = path_errors(estimated, true, covariances, start_transform, planar)
             metrics["ate_rmse_start_m"] = root_mean_square(start_errors.position[:, :size])
-            metrics["pose_nees_start_mean"] = mean_or_none(start_errors.nees)
+            start_nees = start_errors.nees
+            metrics["pose_nees_start_mean"] = mean_or_none(start_nees)
         if estimate.dead_reckoning is not None:
             reckoned, _, true_there = pair_paths(estimate.dead_reckoning, None, truth.path)
             dead_reckoning_transform = align_points(reckoned.positions, true_there.positions)
@@ -426,7 +428,7 @@ def evaluate(estimate, truth, alignment):
                 first.quaternions[0], planar)
         dead_reckoning = dead_reckoning.transformed(dead_reckoning_transform)
     return Evaluation(
-        metrics=metrics, planar=planar, path_errors=errors,
+        metrics=metrics, planar=planar, path_errors=errors, start_nees=start_nees,
         path_in_truth=estimate.path.transformed(path_there),
         dead_reckoning_in_truth=dead_reckoning,
         landmarks_in_truth=landmarks_there.points(estimate.landmarks.positions),

@@ -266,17 +266,21 @@ def _draw_heading(panel, estimate, evaluation, sigmas):
 
 
 def _draw_consistency(panel, estimate, evaluation):
-    """NEES of the pose; without it NIS of the associations, which needs no truth."""
+    """NEES of the pose; without it NIS of the associations, which needs no truth.
+
+    The covariance says how far the robot may be from where it should be, seen from its start: so the path is
+    laid on the truth there. The best fit over the whole run would move the start, which is known best of all.
+    """
     start = estimate.path.stamps[0]
-    errors = evaluation.path_errors
-    if errors is not None and errors.nees is not None and np.isfinite(errors.nees).any():
-        known = np.isfinite(errors.nees)
-        seconds, curve = _over_time(errors.stamps[known], start, np.maximum(errors.nees[known], 1e-9))
+    errors, nees = evaluation.path_errors, evaluation.start_nees
+    if errors is not None and nees is not None and np.isfinite(nees).any():
+        known = np.isfinite(nees)
+        seconds, curve = _over_time(errors.stamps[known], start, np.maximum(nees[known], 1e-9))
         handles = panel.plot(seconds, curve, color=ESTIMATE_COLOR, linewidth=0.8, label="NEES", zorder=3)
-        dimension, mean = evaluation.nees_dimension, evaluation.metrics["pose_nees_mean"]
-        values = errors.nees[known]
+        dimension, mean = evaluation.nees_dimension, evaluation.metrics["pose_nees_start_mean"]
+        values = nees[known]
         panel.set_title("(d) Consistency")
-        panel.set_ylabel("NEES")
+        panel.set_ylabel("NEES, from the start")
     else:
         shown = estimate.associations.accepted & np.isfinite(estimate.associations.nis)
         values = estimate.associations.nis[shown]

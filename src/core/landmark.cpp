@@ -48,6 +48,8 @@ const char* to_string(Verdict verdict) {
       return "map_full";
     case Verdict::kLate:
       return "late";
+    case Verdict::kTooMany:
+      return "too_many";
   }
   return "unknown";
 }

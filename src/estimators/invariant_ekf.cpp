@@ -14,7 +14,7 @@ void InvariantEkf<Space>::retract(const Eigen::Ref<const Eigen::VectorXd>& error
   const auto moved = [&](const Point& point, int row) -> Pose {
     typename Space::PoseVector xi;
     xi << error.template segment<kPointDim>(row) - Space::by_turn(point) * turn, turn;
-    const Pose rigid = Pose::exp(xi);
+    Pose rigid = Pose::exp(xi);
     by_turn.template middleRows<kPointDim>(row) = Space::by_turn(rigid * point - point);
     return rigid;
   };

@@ -221,6 +221,8 @@ class SpacePipeline : public SlamPipeline {
         outcome.verdict = Verdict::kInvalid;
       } else if (!in_range(detections[i], sensor_)) {
         outcome.verdict = Verdict::kOutOfRange;
+      } else if (static_cast<int>(observations.size()) >= sensor_.max_detections) {
+        outcome.verdict = Verdict::kTooMany;
       } else {
         const Detection seen = with_noise(detections[i], sensor_);
         Observation<Space> observation{Space::from_3d(seen.position_in_base),

@@ -60,8 +60,9 @@ enum class Verdict {
   kNotInMap,           ///< localisation only: no landmark of the map fits
   kMapFull,            ///< map/max_landmarks reached
   kLate,               ///< older than what the estimate already holds
+  kTooMany,            ///< the message had sensor/max_detections usable ones before it
 };
-constexpr int kVerdictCount = static_cast<int>(Verdict::kLate) + 1;
+constexpr int kVerdictCount = static_cast<int>(Verdict::kTooMany) + 1;
 
 /// The verdict's name in messages, files and documents: lower case, words joined by `_`.
 const char* to_string(Verdict verdict);

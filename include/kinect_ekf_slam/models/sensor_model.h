@@ -14,6 +14,8 @@ struct SensorOptions {
   double max_lateral = 2.5;  ///< m
   double range_scale = 1.0;  ///< true distance over measured distance
 
+  int max_detections = 200;  ///< of one message that are used: the joint update grows with their cube
+
   double correlation_time = 0.0;  ///< s over which the errors of one landmark's sightings resemble each other
 
   /// `message`: the covariance that the detection carries, the model where it carries none.

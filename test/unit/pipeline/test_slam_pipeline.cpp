@@ -160,6 +160,20 @@ TEST(SlamPipeline, GatesByRangeAndKeepsTheOrderOfOutcomes) {
   EXPECT_EQ(result.outcomes[1].source_id, 5);
 }
 
+/// The joint update grows with the cube of the sightings: a message of thousands would stop the robot's node.
+TEST(SlamPipeline, UsesNoMoreDetectionsOfOneMessageThanAllowed) {
+  PipelineOptions options = wide_open();
+  options.sensor.max_detections = 2;
+  const auto pipeline = make_pipeline(options);
+  const SlamResult result = pipeline->process(detection_frame(
+      1.0, {detection(1e4, 0.0, 3), detection(1.0, 0.0, 4), detection(2.0, 0.0, 5), detection(3.0, 0.0, 6)}));
+  EXPECT_EQ(result.outcomes[0].verdict, Verdict::kOutOfRange) << "what is not used does not count";
+  EXPECT_EQ(result.outcomes[1].verdict, Verdict::kCreated);
+  EXPECT_EQ(result.outcomes[2].verdict, Verdict::kCreated);
+  EXPECT_EQ(result.outcomes[3].verdict, Verdict::kTooMany);
+  EXPECT_EQ(pipeline->map().size(), 2U);
+}
+
 TEST(SlamPipeline, WithoutACovarianceTheModelSaysHowSureASightingIs) {
   const auto pipeline = make_pipeline(wide_open());
   Detection bare = detection(1.0, 0.0, 1);
