@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <fstream>
@@ -10,6 +9,7 @@
 
 #include "kinect_ekf_slam/perception/kinect_cylinder.h"
 #include "kinect_ekf_slam/ros/command_line.h"
+#include "kinect_ekf_slam/ros/thread_time.h"
 
 namespace {
 
@@ -87,14 +87,13 @@ void print_list(const char* name, const std::vector<Item>& items) {
 
 void detect(const kinect_ekf_slam::KinectCylinderDetector& detector, const std::string& name,
             const kinect_ekf_slam::RgbdPicture& picture) {
-  using Clock = std::chrono::steady_clock;
-  constexpr int kRepetitions = 5;  // the median counts: other work on the machine is not the detector's
+  constexpr int kRepetitions = 5;  // the median counts
   kinect_ekf_slam::Findings findings;
   std::vector<double> milliseconds;
   for (int i = 0; i < kRepetitions; ++i) {
-    const auto start = Clock::now();
+    const double start = kinect_ekf_slam::thread_seconds();
     findings = detector.detect(picture);
-    milliseconds.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+    milliseconds.push_back(1e3 * (kinect_ekf_slam::thread_seconds() - start));
   }
   std::nth_element(milliseconds.begin(), milliseconds.begin() + kRepetitions / 2, milliseconds.end());
   std::printf(R"({"file": "%s", "ms": %.3f)", name.c_str(), milliseconds[kRepetitions / 2]);

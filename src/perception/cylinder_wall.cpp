@@ -7,10 +7,11 @@
 namespace kinect_ekf_slam {
 namespace {
 
-constexpr double kFacing = 1.2;           // rad from the direction to the camera; beyond, rays graze
-constexpr double kWallTolerance = 0.004;  // m; at a distance the depth's noise is added
-constexpr double kRingHeight = 0.006;     // m; at a distance two points of the cloud
-constexpr std::size_t kFewest = 3;        // points of a ring
+constexpr double kFacing = 1.2;        // rad from the direction to the camera; beyond, rays graze
+constexpr double kTolerance = 0.004;   // m, of a point or ring; at a distance the depth's noise is added
+constexpr double kRingNoise = 0.35;    // of a ring's median, as a share of that of one point
+constexpr double kRingHeight = 0.006;  // m; at a distance two points of the cloud
+constexpr std::size_t kFewest = 3;     // points of a ring
 constexpr int kGap = 3;  // rings further up that the wall may go on: a shiny stripe has no depth
 
 /// The points between two heights near the circle, on the side of the camera.
@@ -25,8 +26,6 @@ struct Ring {
     return *middle;
   }
 };
-
-double tolerance_at(double depth, const DepthNoise& noise) { return kWallTolerance + noise.step(depth); }
 
 std::vector<Ring> rings_of(const std::vector<PlanPoint>& points, const Circle& circle, double tolerance,
                            double ring_height) {
@@ -60,16 +59,22 @@ double slope(const std::vector<Eigen::Vector2d>& samples) {
 CylinderWall follow_wall(const std::vector<PlanPoint>& points, const Circle& circle, const DepthNoise& noise,
                          double footprint) {
   const double distance = circle.center.norm();
-  const double tolerance = tolerance_at(distance, noise);
+  const double tolerance = kTolerance + noise.step(distance);
+  const double ring_tolerance = kTolerance + kRingNoise * noise.step(distance);
   const double ring_height = std::max(kRingHeight, 2.0 * footprint * distance);
   const std::vector<Ring> rings = rings_of(points, circle, tolerance, ring_height);
+  const auto is_seen = [](const Ring& ring) { return ring.points.size() >= kFewest; };
   const auto on_circle = [&](const Ring& ring) {
-    return ring.points.size() >= kFewest && std::abs(ring.median_offset()) <= tolerance;
+    return is_seen(ring) && std::abs(ring.median_offset()) <= ring_tolerance;
   };
   const auto first = std::find_if(rings.begin(), rings.end(), on_circle);
   auto last = first;
   for (auto ring = first; ring != rings.end() && ring - last <= kGap; ++ring) {
-    if (on_circle(*ring)) last = ring;
+    if (on_circle(*ring)) {
+      last = ring;
+    } else if (is_seen(*ring)) {
+      break;
+    }
   }
 
   CylinderWall wall;

@@ -13,12 +13,15 @@ namespace kinect_ekf_slam {
 namespace {
 
 constexpr int kPlaneSamples = 2000;
+constexpr double kWidest = 6.0;              // times the largest radius; a cylinder may touch something else
 constexpr std::size_t kSmallestOutline = 8;  // points
 constexpr double kLargestResidual = 3.0;     // of an outline's point on the circle, in standard deviations
 constexpr double kLowestShare = 0.6;         // of an outline's points that must lie on the circle
-constexpr double kFullArc = 1.6;             // rad; so much or more is seen of a cylinder that nothing hides
-constexpr double kCutScore = 0.5;            // for what the picture's border cuts off
-constexpr double kHeightSigma = 0.003;       // m
+constexpr double kCornerPenalty = 4.0;   // for its two parameters more than a circle's (Akaike's criterion)
+constexpr double kFullArc = 1.6;         // rad; so much or more is seen of a cylinder that nothing hides
+constexpr double kCutScore = 0.5;        // for what the picture's border cuts off
+constexpr double kHeightSigma = 0.0015;  // m
+constexpr double kBackground = 1.1;      // times an object's depth
 
 std::vector<Eigen::Vector3d> sample_readings(const DepthCloud& cloud) {
   std::vector<Eigen::Vector3d> readings;
@@ -78,6 +81,19 @@ class CandidateJudge {
   }
 
  private:
+  /// Which sides of the picture cut the object off.
+  struct Border {
+    bool side = false;
+    bool top = false;
+    bool bottom = false;
+  };
+
+  Border border_of(const Region& region) const {
+    const int margin = 2 * cloud_.stride;
+    return {region.left < margin || region.left + region.width > picture_.depth.cols - margin,
+            region.top<margin, region.top + region.height> picture_.depth.rows - margin};
+  }
+
   std::vector<PlanPoint> points_of(const Cluster& cluster) const {
     std::vector<PlanPoint> points;
     points.reserve(cluster.indices.size());
@@ -89,12 +105,17 @@ class CandidateJudge {
   /// Fills the finding; returns why it is none, empty: it is one.
   std::string describe(const Cluster& cluster, Finding* finding) const {
     const std::vector<PlanPoint> points = points_of(cluster);
+    Eigen::Vector2d low = points.front().place;
+    Eigen::Vector2d high = low;
     double nearest = std::numeric_limits<double>::infinity();
     double depth = 0.0;
     for (const PlanPoint& point : points) {
+      low = low.cwiseMin(point.place);
+      high = high.cwiseMax(point.place);
       nearest = std::min(nearest, point.place.norm());
       depth += point.depth / static_cast<double>(points.size());
     }
+    if ((high - low).maxCoeff() > kWidest * options_.radius.max) return "too wide";
     const double footprint = cloud_.stride / picture_.camera.fx;
     const Outline outline =
         upright_outline(points, footprint * depth / nearest, options_.noise, options_.outline);
@@ -103,8 +124,9 @@ class CandidateJudge {
     if (!round) return "not round";
     if (std::string reason = reason_against(*round, outline.size()); !reason.empty()) return reason;
     const CylinderWall wall = follow_wall(points, round->circle, options_.noise, footprint);
-    if (std::string reason = reason_against(wall); !reason.empty()) return reason;
-    *finding = measure(*round, wall, cluster.region);
+    const Border cut = border_of(cluster.region);
+    if (std::string reason = reason_against(wall, cut); !reason.empty()) return reason;
+    *finding = measure(*round, wall, cluster.region, cut);
     return {};
   }
 
@@ -118,13 +140,15 @@ class CandidateJudge {
     const Arc arc = arc_of(circle, kept);
     if (arc.is_hollow()) return "hollow";
     if (arc.whole() < options_.min_arc) return text("only %.0f deg of it seen", degrees(arc.whole()));
-    if (corner_chi_square(kept) < circle.chi_square) return "corner or flat face";
+    if (corner_chi_square(kept) + kCornerPenalty < circle.chi_square) return "corner or flat face";
     return {};
   }
 
-  std::string reason_against(const CylinderWall& wall) const {
+  std::string reason_against(const CylinderWall& wall, const Border& cut) const {
     if (wall.indices.empty()) return "no upright wall";
-    if (wall.base > options_.outline.largest_base) return text("begins %.2f m above the plane", wall.base);
+    if (cut.top) return "top not seen: it may be a leg";
+    if (!cut.bottom && wall.base > options_.outline.largest_base)
+      return text("begins %.2f m above the plane", wall.base);
     if (wall.top < options_.min_height || wall.top > options_.max_height)
       return text("%.2f m high", wall.top);
     if (std::abs(wall.taper) > options_.max_taper) return text("not upright: taper %.2f", wall.taper);
@@ -132,53 +156,52 @@ class CandidateJudge {
     return {};
   }
 
-  Finding measure(const RoundOutline& round, const CylinderWall& wall, const Region& region) const {
+  Finding measure(const RoundOutline& round, const CylinderWall& wall, const Region& region,
+                  const Border& cut) const {
     const Circle& circle = round.circle;
-    const Border cut = border_of(region);
     Finding finding;
-    finding.position = plan_.to_optical(circle.center, 0.5 * wall.top);
-    finding.covariance = covariance_of(round, finding.position, cut);
+    finding.position = plan_.to_optical(circle.center, 0.5 * (wall.top - grown(wall)));
+    finding.covariance = covariance_of(round, finding.position);
     finding.signature.radius = circle.radius;
     finding.signature.label = label_of(wall);
     const Arc arc = arc_of(circle, round.points);
     finding.score = std::min(1.0, arc.whole() / kFullArc) * 0.5 * (1.0 + arc.symmetry());
-    if (cut.side || cut.top) finding.score *= kCutScore;
+    if (cut.side || cut.bottom) finding.score *= kCutScore;
     finding.region = region;
     return finding;
   }
 
-  /// Which sides of the picture cut the object off.
-  struct Border {
-    bool side = false;
-    bool top = false;
-  };
-
-  Border border_of(const Region& region) const {
-    const int margin = 2 * cloud_.stride;
-    return {region.left < margin || region.left + region.width > picture_.depth.cols - margin,
-            region.top < margin};
-  }
-
-  /// The fit's, and what it does not know: how far off the whole depth is, where the object's edges are, and
-  /// its height.
-  Eigen::Matrix3d covariance_of(const RoundOutline& round, const Eigen::Vector3d& position,
-                                Border cut) const {
+  /// The fit's, and what it cannot know: where the object's edges are exactly, its height, and how far off
+  /// the camera is as a whole.
+  Eigen::Matrix3d covariance_of(const RoundOutline& round, const Eigen::Vector3d& position) const {
     const Circle& circle = round.circle;
     const double misfit = circle.chi_square / static_cast<double>(round.points.size());
     const double blur = options_.edge_blur * position.z();
     const Eigen::Vector2d direction = circle.center.normalized();
     Eigen::Matrix3d in_plan = Eigen::Matrix3d::Zero();
-    // Both edges blur alike: that moves the axis back more than to a side.
-    in_plan.topLeftCorner<2, 2>() =
-        std::max(1.0, misfit) * circle.covariance.topLeftCorner<2, 2>() +
-        0.25 * blur * blur * (Eigen::Matrix2d::Identity() + 3.0 * direction * direction.transpose());
-    const double height_sigma = 0.5 * blur + (cut.top ? 0.25 * options_.max_height : kHeightSigma);
-    in_plan(2, 2) = height_sigma * height_sigma;
+    in_plan.topLeftCorner<2, 2>() = std::max(1.0, misfit) * circle.covariance.topLeftCorner<2, 2>() +
+                                    blur * blur * direction * direction.transpose();
+    in_plan(2, 2) = kHeightSigma * kHeightSigma + blur * blur;
     const Eigen::Matrix3d& turn = plan_.optical_from_plan();
     const double calibration = options_.noise.calibration;
+    const double pointing = options_.noise.pointing * position.norm();
+    const Eigen::Vector3d ray = position.normalized();
     const Eigen::Matrix3d covariance =
-        turn * in_plan * turn.transpose() + calibration * calibration * position * position.transpose();
+        turn * in_plan * turn.transpose() + calibration * calibration * position * position.transpose() +
+        pointing * pointing * (Eigen::Matrix3d::Identity() - ray * ray.transpose());
     return 0.5 * (covariance + covariance.transpose());
+  }
+
+  /// m by which the wall's upper edge seems too high: before a background it grows by half a window, before a
+  /// lid it does not.
+  double grown(const CylinderWall& wall) const {
+    constexpr int kHalfWindow = 4;                                                    // pixels
+    const int highest = *std::min_element(wall.indices.begin(), wall.indices.end());  // row after row
+    const int above = highest - (2 * kHalfWindow / cloud_.stride + 1) * cloud_.columns;
+    const double depth = cloud_.points_in_optical[highest].z();
+    const bool has_lid =
+        above >= 0 && cloud_.has_reading(above) && cloud_.points_in_optical[above].z() < kBackground * depth;
+    return has_lid ? 0.0 : kHalfWindow * depth / picture_.camera.fy;
   }
 
   std::string label_of(const CylinderWall& wall) const {

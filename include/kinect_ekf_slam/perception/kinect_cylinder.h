@@ -15,7 +15,7 @@ namespace kinect_ekf_slam {
 
 struct KinectCylinderOptions {
   double min_depth = 0.4;           ///< m
-  double max_depth = 4.0;           ///< m
+  double max_depth = 3.0;           ///< m
   RadiusBounds radius{0.02, 0.15};  ///< m
   double min_height = 0.05;         ///< m
   double max_height = 0.6;          ///< m
@@ -23,7 +23,7 @@ struct KinectCylinderOptions {
   double max_misfit = 2.5;          ///< mean squared residual of the outline, in units of its variance
   double max_taper = 0.12;          ///< change of radius over change of height
   double max_share_outside = 0.15;  ///< of the object's points up to its top that may lie outside the circle
-  double edge_blur = 0.003;  ///< rad: how well an object's edge is known; moves radius and axis together
+  double edge_blur = 0.001;  ///< rad: how well an object's edge is known; moves radius and axis together
   double gravity_tolerance = 0.1;  ///< rad, of the plane's normal where gravity is known
   int stride = 1;                  ///< every so many pixels and rows are looked at
   SupportPlaneOptions plane;

@@ -39,9 +39,10 @@ struct UprightOutlineOptions {
   double window = 0.006;          ///< m in which its points lie; at a distance the depth's noise is added
   double roughness = 0.0005;      ///< m, of real surfaces
   double sigma_aside = 0.001;     ///< rad: where a pixel's depth belongs, about half a pixel
-  /// Directions at each end that are left out: a Kinect compares windows of nine pixels, so that for half a
-  /// window beyond an object's edge it still reports the object.
-  int edge = 4;
+  /// Directions at each end that are left out. A Kinect compares windows of nine pixels: for half a window
+  /// beyond an object's edge it still reports the object, and just inside the edge it reports the mean of one
+  /// side.
+  int edge = 6;
 };
 
 /// What a scanner that looks level along the plane would see of an object: for each direction the nearest

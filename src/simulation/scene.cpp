@@ -1,0 +1,54 @@
+#include "kinect_ekf_slam/simulation/scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kinect_ekf_slam/simulation/random_stream.h"
+
+namespace kinect_ekf_slam {
+
+Rgb Texture::at(double along, double down) const {
+  const int column = std::clamp(static_cast<int>(along * columns), 0, columns - 1);
+  const int row = std::clamp(static_cast<int>(down * rows), 0, rows - 1);
+  return pixels[static_cast<std::size_t>(row) * columns + column];
+}
+
+void Scene::add_box(const Eigen::Vector2d& place_in_world, double yaw, const Eigen::Vector3d& size,
+                    const Rgb& colour) {
+  const Eigen::Vector3d ahead = size.x() * Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0.0);
+  const Eigen::Vector3d left = size.y() * Eigen::Vector3d(-std::sin(yaw), std::cos(yaw), 0.0);
+  const Eigen::Vector3d up(0.0, 0.0, size.z());
+  const Eigen::Vector3d place(place_in_world.x(), place_in_world.y(), 0.0);
+  const Eigen::Vector3d corner = place - 0.5 * ahead - 0.5 * left + up;
+  const Texture texture(colour);
+  panels.push_back({corner, ahead, left, texture});  // the top
+  panels.push_back({corner, ahead, -up, texture});
+  panels.push_back({corner, left, -up, texture});
+  panels.push_back({corner + left, ahead, -up, texture});
+  panels.push_back({corner + ahead, left, -up, texture});
+}
+
+Texture blotches(int columns, int rows, std::uint64_t seed) {
+  constexpr int kPixelsPerBlotch = 40;
+  RandomStream random(seed, 0);
+  const auto channel = [&] { return static_cast<std::uint8_t>(random.uniform(20.0, 235.0)); };
+  Texture texture(columns, rows,
+                  std::vector<Rgb>(static_cast<std::size_t>(columns) * rows, Rgb{150, 150, 150}));
+  for (int i = 0; i < columns * rows / kPixelsPerBlotch; ++i) {
+    const int left = static_cast<int>(random.index(columns));
+    const int top = static_cast<int>(random.index(rows));
+    const int right = std::min(columns, left + 2 + static_cast<int>(random.index(14)));
+    const int bottom = std::min(rows, top + 2 + static_cast<int>(random.index(14)));
+    const std::uint8_t red = channel();
+    const std::uint8_t green = channel();
+    const Rgb colour{red, green, channel()};
+    for (int row = top; row < bottom; ++row) {
+      for (int column = left; column < right; ++column) {
+        texture.pixels[static_cast<std::size_t>(row) * columns + column] = colour;
+      }
+    }
+  }
+  return texture;
+}
+
+}  // namespace kinect_ekf_slam
