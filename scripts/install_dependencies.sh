@@ -11,7 +11,7 @@ packages=(
   # core
   libeigen3-dev libyaml-cpp-dev
   # perception
-  libopencv-dev
+  libopencv-dev libcv-bridge-dev libimage-transport-dev libimage-geometry-dev
   # ROS 1 libraries and messages
   libroscpp-dev libmessage-filters-dev libtf2-dev libtf2-ros-dev librosbag-dev librosbag-storage-dev
   libdiagnostic-updater-dev libdynamic-reconfigure-config-init-mutex-dev

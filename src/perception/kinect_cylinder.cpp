@@ -17,11 +17,11 @@ constexpr double kWidest = 6.0;              // times the largest radius; a cyli
 constexpr std::size_t kSmallestOutline = 8;  // points
 constexpr double kLargestResidual = 3.0;     // of an outline's point on the circle, in standard deviations
 constexpr double kLowestShare = 0.6;         // of an outline's points that must lie on the circle
-constexpr double kCornerPenalty = 4.0;   // for its two parameters more than a circle's (Akaike's criterion)
-constexpr double kFullArc = 1.6;         // rad; so much or more is seen of a cylinder that nothing hides
-constexpr double kCutScore = 0.5;        // for what the picture's border cuts off
-constexpr double kHeightSigma = 0.0015;  // m
-constexpr double kBackground = 1.1;      // times an object's depth
+constexpr double kCornerPenalty = 4.0;  // for its two parameters more than a circle's (Akaike's criterion)
+constexpr double kFullArc = 1.6;        // rad; so much or more is seen of a cylinder that nothing hides
+constexpr double kCutScore = 0.5;       // for what the picture's border cuts off
+constexpr double kHeightSigma = 0.001;  // m
+constexpr double kBackground = 1.1;     // times an object's depth
 
 std::vector<Eigen::Vector3d> sample_readings(const DepthCloud& cloud) {
   std::vector<Eigen::Vector3d> readings;

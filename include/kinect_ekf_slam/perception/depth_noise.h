@@ -9,7 +9,7 @@ struct DepthNoise {
   double step_per_m = 2.85e-3;   ///< 1/m: the step at depth Z is this times Z^2
   double sigma_per_m = 1.43e-3;  ///< 1/m: of one pixel, like the step
   double calibration = 2e-3;     ///< share of the depth by which all of it may be off
-  double pointing = 2e-3;        ///< rad by which all rays may be off: one pixel
+  double pointing = 1.9e-3;      ///< rad by which all rays may be off: one pixel
 
   double step(double depth) const { return step_per_m * depth * depth; }
   double sigma(double depth) const { return sigma_per_m * depth * depth; }

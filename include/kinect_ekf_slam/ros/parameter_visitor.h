@@ -1,0 +1,192 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <limits>
+#include <set>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "kinect_ekf_slam/ros/parameters.h"
+
+namespace kinect_ekf_slam {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+template <class Value>
+using Choices = std::vector<std::pair<std::string, Value>>;
+
+inline std::string text_of(const YAML::Node& node) {
+  YAML::Emitter text;
+  text.SetSeqFormat(YAML::Flow);
+  text.SetMapFormat(YAML::Flow);
+  text << node;
+  return text.c_str();
+}
+
+inline std::string text_of(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+/// Goes through all parameters once: reads them, or only lists them when there is no YAML.
+class ParameterVisitor {
+ public:
+  explicit ParameterVisitor(const YAML::Node* yaml) : yaml_(yaml) {}
+
+  void number(const std::string& key, double* value, double low, double high, const std::string& unit,
+              const std::string& meaning) {
+    const std::string allowed = range(low, high);
+    note({key, text_of(*value), unit, allowed, meaning});
+    if (const YAML::Node node = find(key)) {
+      *value = convert<double>(key, node, "a number " + allowed);
+      if (!(*value >= low && *value <= high)) fail(key, node, "a number " + allowed);
+    }
+  }
+
+  void integer(const std::string& key, int* value, int low, int high, const std::string& unit,
+               const std::string& meaning) {
+    const std::string allowed = range(low, high);
+    note({key, std::to_string(*value), unit, allowed, meaning});
+    if (const YAML::Node node = find(key)) {
+      *value = convert<int>(key, node, "a whole number " + allowed);
+      if (*value < low || *value > high) fail(key, node, "a whole number " + allowed);
+    }
+  }
+
+  void boolean(const std::string& key, bool* value, const std::string& meaning) {
+    note({key, *value ? "true" : "false", "", "true, false", meaning});
+    if (const YAML::Node node = find(key)) *value = convert<bool>(key, node, "true or false");
+  }
+
+  void text(const std::string& key, std::string* value, bool may_be_empty, const std::string& meaning) {
+    const std::string allowed = may_be_empty ? "text" : "text, not empty";
+    note({key, *value, "", allowed, meaning});
+    if (const YAML::Node node = find(key)) {
+      *value = convert<std::string>(key, node, allowed);
+      if (!may_be_empty && value->empty()) fail(key, node, allowed);
+    }
+  }
+
+  void frame(const std::string& key, std::string* value, const std::string& meaning) {
+    require(key);
+    text(key, value, false, meaning);
+    if (!value->empty() && value->front() == '/') {
+      throw ParameterError(key + ": '" + *value + "': a frame has no leading slash");
+    }
+  }
+
+  template <class Value>
+  void choice(const std::string& key, Value* value, const Choices<Value>& choices,
+              const std::string& meaning) {
+    std::string allowed;
+    std::string present;
+    for (const auto& [name, candidate] : choices) {
+      allowed += (allowed.empty() ? "" : ", ") + name;
+      if (candidate == *value) present = name;
+    }
+    note({key, present, "", allowed, meaning});
+    const YAML::Node node = find(key);
+    if (!node) return;
+    const auto name = convert<std::string>(key, node, "one of " + allowed);
+    for (const auto& [candidate_name, candidate] : choices) {
+      if (candidate_name == name) {
+        *value = candidate;
+        return;
+      }
+    }
+    fail(key, node, "one of " + allowed);
+  }
+
+  void transforms(const std::string& key, std::vector<StaticTransformOption>* value,
+                  const std::string& meaning) {
+    const std::string allowed = "a list of {parent, child, xyz: [m], rpy_deg: [deg]}";
+    note({key, "[]", "m, deg", allowed, meaning});
+    const YAML::Node node = find(key);
+    if (!node) return;
+    if (!node.IsSequence()) fail(key, node, allowed);
+    for (const YAML::Node& item : node) {
+      StaticTransformOption transform;
+      try {
+        transform.parent = item["parent"].as<std::string>();
+        transform.child = item["child"].as<std::string>();
+        transform.xyz = item["xyz"].as<std::vector<double>>();
+        transform.rpy_deg = item["rpy_deg"].as<std::vector<double>>();
+      } catch (const YAML::Exception&) {
+        fail(key, item, allowed);
+      }
+      if (transform.xyz.size() != 3 || transform.rpy_deg.size() != 3) fail(key, item, allowed);
+      value->push_back(std::move(transform));
+    }
+  }
+
+  void require(const std::string& key) {
+    required_.insert(key);
+    if (yaml_ != nullptr && !find(key)) {
+      throw ParameterError(key + ": is missing; start from config/slam.yaml (slam.launch loads it)");
+    }
+  }
+
+  std::vector<std::string> unread() const {
+    std::vector<std::string> keys;
+    if (yaml_ == nullptr || !yaml_->IsMap()) return keys;
+    for (const auto& group : *yaml_) {
+      const auto name = group.first.as<std::string>();
+      if (!group.second.IsMap()) {
+        if (known_.count(name) == 0 || name.find('/') != std::string::npos) keys.push_back(name);
+        continue;
+      }
+      for (const auto& entry : group.second) {
+        const std::string key = name + "/" + entry.first.as<std::string>();
+        if (known_.count(key) == 0) keys.push_back(key);
+      }
+    }
+    return keys;
+  }
+
+  std::vector<ParameterInfo> infos() const { return infos_; }
+
+ private:
+  static std::string range(double low, double high) {
+    if (high == kInfinity) return low == -kInfinity ? "of any size" : ">= " + text_of(low);
+    return "from " + text_of(low) + " to " + text_of(high);
+  }
+
+  void note(ParameterInfo info) {
+    known_.insert(info.key);
+    info.required = required_.count(info.key) > 0;
+    infos_.push_back(std::move(info));
+  }
+
+  YAML::Node find(const std::string& key) const {
+    if (yaml_ == nullptr || !yaml_->IsMap()) return YAML::Node(YAML::NodeType::Undefined);
+    const auto slash = key.find('/');
+    if (slash == std::string::npos) return (*yaml_)[key];
+    const YAML::Node group = (*yaml_)[key.substr(0, slash)];
+    if (!group || !group.IsMap()) return YAML::Node(YAML::NodeType::Undefined);
+    return group[key.substr(slash + 1)];
+  }
+
+  template <class Value>
+  static Value convert(const std::string& key, const YAML::Node& node, const std::string& allowed) {
+    try {
+      return node.as<Value>();
+    } catch (const YAML::Exception&) {
+      fail(key, node, allowed);
+    }
+  }
+
+  [[noreturn]] static void fail(const std::string& key, const YAML::Node& node, const std::string& allowed) {
+    throw ParameterError(key + ": '" + text_of(node) + "' given, allowed: " + allowed);
+  }
+
+  const YAML::Node* yaml_;
+  std::set<std::string> known_;
+  std::set<std::string> required_;
+  std::vector<ParameterInfo> infos_;
+};
+
+}  // namespace kinect_ekf_slam
