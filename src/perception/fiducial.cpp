@@ -33,6 +33,14 @@ const std::map<std::string, int>& dictionaries() {
   return kDictionaries;
 }
 
+int number_of(const std::string& dictionary) {
+  const auto found = dictionaries().find(dictionary);
+  if (found != dictionaries().end()) return found->second;
+  std::string allowed;
+  for (const auto& [name, number] : dictionaries()) allowed.append(allowed.empty() ? "" : ", ").append(name);
+  throw std::invalid_argument("dictionary '" + dictionary + "' given, allowed: " + allowed);
+}
+
 /// The corners of a square of that side, as OpenCV orders them: from its upper left one clockwise.
 std::vector<cv::Point3f> square(double side) {
   const auto half = static_cast<float>(0.5 * side);
@@ -105,16 +113,8 @@ Eigen::Matrix3d position_covariance(const std::vector<cv::Point3f>& model, const
 
 }  // namespace
 
-FiducialDetector::FiducialDetector(const FiducialOptions& options) : options_(options), dictionary_(0) {
-  const auto found = dictionaries().find(options.dictionary);
-  if (found == dictionaries().end()) {
-    std::string allowed;
-    for (const auto& [name, number] : dictionaries())
-      allowed.append(allowed.empty() ? "" : ", ").append(name);
-    throw std::invalid_argument("dictionary '" + options.dictionary + "' given, allowed: " + allowed);
-  }
-  dictionary_ = found->second;
-}
+FiducialDetector::FiducialDetector(const FiducialOptions& options)
+    : options_(options), dictionary_(number_of(options.dictionary)) {}
 
 Findings FiducialDetector::detect(const RgbdPicture& picture) const {
   check(picture);
@@ -148,6 +148,24 @@ Findings FiducialDetector::detect(const RgbdPicture& picture) const {
   for (const Corners& corners : seen.rejected)
     findings.refused.push_back({"no code of the dictionary", region_of(corners)});
   return findings;
+}
+
+std::vector<std::string> fiducial_pattern(const std::string& dictionary, int identity) {
+  const auto codes = cv::aruco::getPredefinedDictionary(number_of(dictionary));
+  if (identity < 0 || identity >= codes->bytesList.rows) {
+    throw std::invalid_argument("fiducial " + std::to_string(identity) + " given, allowed: 0 to " +
+                                std::to_string(codes->bytesList.rows - 1));
+  }
+  cv::Mat image;
+  cv::aruco::drawMarker(codes, identity, codes->markerSize + 2, image, 1);
+  std::vector<std::string> rows;
+  for (int row = 0; row < image.rows; ++row) {
+    rows.emplace_back();
+    for (int column = 0; column < image.cols; ++column) {
+      rows.back().push_back(image.at<std::uint8_t>(row, column) == 0 ? '#' : '.');
+    }
+  }
+  return rows;
 }
 
 }  // namespace kinect_ekf_slam

@@ -19,6 +19,7 @@ constexpr double kLargestResidual = 3.0;     // of an outline's point on the cir
 constexpr double kLowestShare = 0.6;         // of an outline's points that must lie on the circle
 constexpr double kCornerPenalty = 4.0;  // for its two parameters more than a circle's (Akaike's criterion)
 constexpr double kFullArc = 1.6;        // rad; so much or more is seen of a cylinder that nothing hides
+constexpr double kUprightShare = 0.65;  // of the height that the wall must have; a bowl has less
 constexpr double kCutScore = 0.5;       // for what the picture's border cuts off
 constexpr double kHeightSigma = 0.001;  // m
 constexpr double kBackground = 1.1;     // times an object's depth
@@ -109,22 +110,27 @@ class CandidateJudge {
     Eigen::Vector2d high = low;
     double nearest = std::numeric_limits<double>::infinity();
     double depth = 0.0;
+    double highest = 0.0;
     for (const PlanPoint& point : points) {
       low = low.cwiseMin(point.place);
       high = high.cwiseMax(point.place);
       nearest = std::min(nearest, point.place.norm());
+      highest = std::max(highest, point.height);
       depth += point.depth / static_cast<double>(points.size());
     }
     if ((high - low).maxCoeff() > kWidest * options_.radius.max) return "too wide";
+    if (highest > options_.max_height) return text("%.2f m high", highest);
     const double footprint = cloud_.stride / picture_.camera.fx;
+    const Border cut = border_of(cluster.region);
+    UprightOutlineOptions outline_options = options_.outline;
+    if (cut.bottom) outline_options.largest_base = options_.max_height;  // it begins where the picture does
     const Outline outline =
-        upright_outline(points, footprint * depth / nearest, options_.noise, options_.outline);
+        upright_outline(points, footprint * depth / nearest, options_.noise, outline_options);
     if (outline.size() < kSmallestOutline) return "no upright wall";
     const auto round = round_part(outline, options_.radius);
     if (!round) return "not round";
     if (std::string reason = reason_against(*round, outline.size()); !reason.empty()) return reason;
     const CylinderWall wall = follow_wall(points, round->circle, options_.noise, footprint);
-    const Border cut = border_of(cluster.region);
     if (std::string reason = reason_against(wall, cut); !reason.empty()) return reason;
     *finding = measure(*round, wall, cluster.region, cut);
     return {};
@@ -149,8 +155,8 @@ class CandidateJudge {
     if (cut.top) return "top not seen: it may be a leg";
     if (!cut.bottom && wall.base > options_.outline.largest_base)
       return text("begins %.2f m above the plane", wall.base);
-    if (wall.top < options_.min_height || wall.top > options_.max_height)
-      return text("%.2f m high", wall.top);
+    if (wall.top < options_.min_height) return text("%.2f m high", wall.top);
+    if (!cut.bottom && wall.top - wall.base < kUprightShare * wall.top) return "upright in a part only";
     if (std::abs(wall.taper) > options_.max_taper) return text("not upright: taper %.2f", wall.taper);
     if (wall.share_outside > options_.max_share_outside) return "not round: parts stick out";
     return {};

@@ -175,8 +175,9 @@ class Canvas {
     RgbdImage image{options_.width, options_.height, {}, {}, {}};
     for (int row = 0; row < options_.height; ++row) {
       for (int column = 0; column < options_.width; ++column) {
+        const std::size_t middle_row = static_cast<std::size_t>(row) * samples + samples / 2;
         const std::size_t middle =
-            static_cast<std::size_t>(row * samples + samples / 2) * columns_ + column * samples + samples / 2;
+            middle_row * columns_ + static_cast<std::size_t>(column) * samples + samples / 2;
         image.depth.push_back(depth_[middle] == kNothing ? 0.0F : depth_[middle]);
         image.incidence.push_back(incidence_[middle]);
         image.colour.push_back(mean_colour(row * samples, column * samples));

@@ -28,6 +28,28 @@ void Scene::add_box(const Eigen::Vector2d& place_in_world, double yaw, const Eig
   panels.push_back({corner + ahead, left, -up, texture});
 }
 
+Texture printed(const std::vector<std::string>& rows) {
+  constexpr Rgb kWhite{235, 235, 235};
+  constexpr Rgb kBlack{25, 25, 25};
+  const std::size_t modules = rows.empty() ? 0 : rows.front().size();
+  const auto columns = static_cast<int>(modules + 2);
+  Texture texture(columns, static_cast<int>(rows.size() + 2),
+                  std::vector<Rgb>((modules + 2) * (rows.size() + 2), kWhite));
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    for (std::size_t column = 0; column < modules; ++column) {
+      if (rows[row][column] == '#') texture.pixels[(row + 1) * (modules + 2) + column + 1] = kBlack;
+    }
+  }
+  return texture;
+}
+
+Panel upright_panel(const Eigen::Vector3d& center_in_world, double facing, double size,
+                    const Texture& texture) {
+  const Eigen::Vector3d along = size * Eigen::Vector3d(-std::sin(facing), std::cos(facing), 0.0);
+  const Eigen::Vector3d down(0.0, 0.0, -size);
+  return {center_in_world - 0.5 * along - 0.5 * down, along, down, texture};
+}
+
 Texture blotches(int columns, int rows, std::uint64_t seed) {
   constexpr int kPixelsPerBlotch = 40;
   RandomStream random(seed, 0);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "kinect_ekf_slam/perception/findings.h"
 #include "kinect_ekf_slam/perception/picture.h"
@@ -32,5 +33,9 @@ class FiducialDetector {
   FiducialOptions options_;
   int dictionary_;
 };
+
+/// What is to be printed for an identity: a row of text for each row of modules, `#` black, `.` white, the
+/// black border with it. Throws std::invalid_argument for a dictionary or an identity that there is not.
+std::vector<std::string> fiducial_pattern(const std::string& dictionary, int identity);
 
 }  // namespace kinect_ekf_slam

@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace kinect_ekf_slam {
@@ -54,6 +56,13 @@ struct Scene {
   void add_box(const Eigen::Vector2d& place_in_world, double yaw, const Eigen::Vector3d& size,
                const Rgb& colour);
 };
+
+/// Black where the rows of text have `#`, white elsewhere and on a margin of one module around.
+Texture printed(const std::vector<std::string>& rows);
+
+/// An upright square panel; `facing` is the direction that its printed side looks to, rad from the world's X.
+Panel upright_panel(const Eigen::Vector3d& center_in_world, double facing, double size,
+                    const Texture& texture);
 
 /// A pattern of blotches without repetition, for feature detectors to find their way; fixed by its seed.
 Texture blotches(int columns, int rows, std::uint64_t seed);

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <opencv2/aruco.hpp>
 #include <stdexcept>
 
 #include "kinect_ekf_slam/core/angles.h"
@@ -12,33 +11,13 @@
 namespace kinect_ekf_slam {
 namespace {
 
-constexpr double kSide = 0.15;  // m
-constexpr int kBits = 4;
-
-/// The fiducial's modules and a white margin of one module.
-Texture fiducial(int identity) {
-  constexpr int kModules = kBits + 2;
-  cv::Mat image;
-  cv::aruco::drawMarker(cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50), identity, kModules, image,
-                        1);
-  Texture texture(kModules + 2, kModules + 2,
-                  std::vector<Rgb>((kModules + 2) * (kModules + 2), {235, 235, 235}));
-  for (int row = 0; row < kModules; ++row) {
-    for (int column = 0; column < kModules; ++column) {
-      const bool is_black = image.at<std::uint8_t>(row, column) == 0;
-      if (is_black) texture.pixels[(row + 1) * (kModules + 2) + column + 1] = {25, 25, 25};
-    }
-  }
-  return texture;
-}
-
-/// Turned about the vertical by `slant` against facing the camera.
+/// Turned about the vertical by `slant` against facing the camera, which stands over the origin.
 Panel panel(int identity, const Eigen::Vector3d& center, double slant) {
-  const double size = kSide * (kBits + 4) / (kBits + 2);
-  const double facing = std::atan2(center.y(), center.x()) + slant;
-  const Eigen::Vector3d along = size * Eigen::Vector3d(std::sin(facing), -std::cos(facing), 0.0);
-  const Eigen::Vector3d down(0.0, 0.0, -size);
-  return {center - 0.5 * along - 0.5 * down, along, down, fiducial(identity)};
+  const FiducialOptions options;
+  const std::vector<std::string> pattern = fiducial_pattern(options.dictionary, identity);
+  const auto modules = static_cast<double>(pattern.size());
+  const double facing = std::atan2(-center.y(), -center.x()) + slant;
+  return upright_panel(center, facing, options.side * (modules + 2.0) / modules, printed(pattern));
 }
 
 RgbdPicture photograph_sharply(const Scene& scene, const Eigen::Isometry3d& camera, std::uint64_t seed) {
@@ -94,6 +73,9 @@ TEST(Fiducial, RefusesWhatItCannotUse) {
   FiducialOptions options;
   options.dictionary = "9X9";
   EXPECT_THROW(FiducialDetector{options}, std::invalid_argument);
+  EXPECT_THROW(fiducial_pattern("9X9", 0), std::invalid_argument);
+  EXPECT_THROW(fiducial_pattern("4X4_50", 50), std::invalid_argument);
+  EXPECT_EQ(fiducial_pattern("4X4_50", 0).size(), 6U);
   RgbdPicture picture;
   picture.depth = cv::Mat(4, 4, CV_16UC1, cv::Scalar(1000));
   EXPECT_THROW(FiducialDetector({}).detect(picture), PictureError);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <random>
 
 #include "test/support/matchers.h"
 #include "test/unit/perception/rendered.h"
@@ -136,6 +137,28 @@ TEST(KinectCylinder, WithoutReadingsThereIsNothing) {
   EXPECT_TRUE(detect(picture).found.empty());
   picture.depth = cv::Mat();
   EXPECT_THROW(detect(picture), PictureError);
+}
+
+TEST(KinectCylinder, AnythingInThePictureIsNoCrash) {
+  std::mt19937 random(1);
+  const auto scribble = [&](cv::Mat* image) {
+    for (std::size_t i = 0; i < image->total() * image->elemSize(); ++i) {
+      image->data[i] = static_cast<std::uint8_t>(random());
+    }
+  };
+  for (int i = 0; i < 200; ++i) {
+    RgbdPicture picture;
+    const int rows = 1 + static_cast<int>(random() % 64);
+    const int columns = 1 + static_cast<int>(random() % 64);
+    picture.depth.create(rows, columns, i % 2 == 0 ? CV_16UC1 : CV_32FC1);
+    picture.colour.create(rows, columns, CV_8UC3);
+    scribble(&picture.depth);
+    scribble(&picture.colour);
+    for (const Finding& finding : detect(picture).found) {
+      EXPECT_TRUE(finding.position.allFinite());
+      EXPECT_TRUE(finding.covariance.allFinite());
+    }
+  }
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "kinect_ekf_slam/study/picture_study.h"
+#include "kinect_ekf_slam/study/cylinder_study.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 constexpr double kMatchDistance = 0.1;  // m, between a finding and the axis point of a cylinder
 
 struct NamedColour {
-  const char* label;
+  const char* label = kUnknownColour;
   Rgb colour;
 };
 constexpr NamedColour kColours[] = {
@@ -203,13 +203,15 @@ class Tally {
         const Eigen::Vector3d error = finding.position - truth;
         if (used[i] || error.norm() > kMatchDistance) continue;
         used[i] = true;
-        ++result_.true_ones;
+        result_.true_ones += is_judged(finding) ? 1 : 0;
         result_.found += expected ? 1 : 0;
         if (expected) add(finding, error, cylinder);
         break;
       }
     }
-    result_.false_ones += static_cast<int>(std::count(used.begin(), used.end(), false));
+    for (std::size_t i = 0; i < used.size(); ++i) {
+      result_.false_ones += !used[i] && is_judged(findings.found[i]) ? 1 : 0;
+    }
   }
 
   CylinderStudyResult result(double milliseconds) const {
@@ -226,6 +228,10 @@ class Tally {
   }
 
  private:
+  bool is_judged(const Finding& finding) const {
+    return finding.position.z() >= study_.nearest && finding.position.z() <= study_.farthest;
+  }
+
   void add(const Finding& finding, const Eigen::Vector3d& error, const RoundBody& cylinder) {
     const double radius_error = finding.signature.radius - cylinder.foot_radius;
     result_.center_rmse += error.squaredNorm();
@@ -276,6 +282,10 @@ CylinderView random_cylinder_view(std::uint64_t seed) {
   view.world_from_optical.linear() =
       base_from_level * Eigen::AngleAxisd(-tilt, Eigen::Vector3d::UnitX()).toRotationMatrix();
   return view;
+}
+
+RgbdPicture first_picture(const CylinderStudy& study) {
+  return take_picture(random_cylinder_view(study.first_seed), study.camera, study.first_seed);
 }
 
 CylinderStudyResult run_study(const CylinderStudy& study) {

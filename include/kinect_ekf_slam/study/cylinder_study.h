@@ -26,7 +26,7 @@ struct CylinderStudy {
   RgbdCameraOptions camera;
   std::uint64_t first_seed = 1;
   int views = 200;
-  double nearest = 0.6;  ///< m of depth, between which a cylinder must be found
+  double nearest = 0.6;  ///< m of depth, between which cylinders must be found and findings be cylinders
   double farthest = 2.6;
   std::function<void(double)> on_progress;  ///< share done, 0 to 1; may be empty
 };
@@ -49,6 +49,9 @@ struct CylinderStudyResult {
     return true_ones + false_ones > 0 ? static_cast<double>(true_ones) / (true_ones + false_ones) : 1.0;
   }
 };
+
+/// The picture of the study's first view.
+RgbdPicture first_picture(const CylinderStudy& study);
 
 CylinderStudyResult run_study(const CylinderStudy& study);
 

@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# Makes the pictures of docs/detectors.md again, from simulated views.
+#   scripts/update_detector_images.sh      (after scripts/build.sh)
+set -euo pipefail
+cd "$(dirname "$0")/.."
+export PATH=/usr/bin:$PATH
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+for seed in 1 9; do
+  build/devel/env.sh detector_study cylinders --seed "$seed" --picture "$folder/$seed.png"
+done
+convert "$folder/1.png" "$folder/9.png" +append -strip -dither None -colors 128 PNG8:docs/images/kinect_cylinder.png
+identify -format '%d/%f %wx%h %b\n' docs/images/kinect_cylinder.png
