@@ -124,6 +124,7 @@ RoomSummary summarize(const std::vector<RoomRun>& runs) {
   summary.nees = spread(runs, [](const RoomRun& run) { return run.nees_mean; });
   summary.pose_dof = runs.front().pose_dof;
   std::vector<std::vector<double>> nees;
+  nees.reserve(runs.size());
   for (const RoomRun& run : runs) nees.push_back(run.nees);
   const Consistency honesty = consistency(nees, summary.pose_dof);
   summary.nees_low = honesty.low;
