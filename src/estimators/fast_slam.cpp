@@ -209,14 +209,8 @@ template <class Space>
 typename Space::PointMatrix FastSlam<Space>::measurement_noise(TimeNs stamp,
                                                                const Observation<Space>& observation,
                                                                const Assignment& assignment) const {
-  const LandmarkInfo& info = tracks_[assignment.landmark].info;
-  const double echo = info.last_seen == 0 ? 1.0
-                                          : correlation_inflation(to_seconds(stamp - info.last_seen),
-                                                                  observation.correlation_time);
-  const double doubt = options_.robust_threshold > 0.0
-                           ? std::max(1.0, assignment.squared_distance / options_.robust_threshold)
-                           : 1.0;
-  return std::max(echo, doubt) * observation.covariance;
+  return matched_noise<Space>(observation, tracks_[assignment.landmark].info, stamp,
+                              assignment.squared_distance, options_.robust_threshold);
 }
 
 /// That of a match that is all but impossible, so that no particle gains by refusing.

@@ -194,14 +194,8 @@ template <class Space>
 typename Space::PointMatrix KalmanSlam<Space>::measurement_noise(TimeNs stamp,
                                                                  const Observation<Space>& observation,
                                                                  const Match& match) const {
-  const LandmarkInfo& info = state_.info(match.landmark);
-  const double echo = info.last_seen == 0 ? 1.0
-                                          : correlation_inflation(to_seconds(stamp - info.last_seen),
-                                                                  observation.correlation_time);
-  const double doubt = options_.robust_threshold > 0.0
-                           ? std::max(1.0, match.squared_distance / options_.robust_threshold)
-                           : 1.0;
-  return std::max(echo, doubt) * observation.covariance;
+  return matched_noise<Space>(observation, state_.info(match.landmark), stamp, match.squared_distance,
+                              options_.robust_threshold);
 }
 
 template <class Space>

@@ -30,6 +30,18 @@ inline double correlation_inflation(double since_last, double correlation_time) 
   return std::min((1.0 + rho) / (1.0 - rho), kLargest);
 }
 
+/// R of a sighting of `landmark`, larger where it is unlikely (`robust_threshold`, 0: never) or says again
+/// what the last sighting said. (docs/theory.md, sections 3 and 4.)
+template <class Space>
+typename Space::PointMatrix matched_noise(const Observation<Space>& observation, const LandmarkInfo& landmark,
+                                          TimeNs stamp, double squared_distance, double robust_threshold) {
+  const double echo = landmark.last_seen == 0 ? 1.0
+                                              : correlation_inflation(to_seconds(stamp - landmark.last_seen),
+                                                                      observation.correlation_time);
+  const double doubt = robust_threshold > 0.0 ? std::max(1.0, squared_distance / robust_threshold) : 1.0;
+  return std::max(echo, doubt) * observation.covariance;
+}
+
 /// z = pose^-1 * landmark, with its Jacobians (docs/theory.md, section 3).
 template <class Space>
 struct PredictedPoint {
