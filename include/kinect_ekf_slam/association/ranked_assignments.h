@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "kinect_ekf_slam/association/associator.h"
+
+namespace kinect_ekf_slam {
+
+/// One way to explain all sightings of one time.
+struct RankedAssignment {
+  std::vector<Assignment> assignments;  ///< matched, created or clutter
+  std::vector<double> log_ratios;       ///< of each, to its being clutter
+  double log_ratio = 0.0;               ///< their sum
+};
+
+/// The likely ways to explain the sightings of one time, the likeliest first; at least one.
+///
+/// Each sighting, nearest first, is a landmark of the map (a Gaussian about where it and the pairs before it
+/// let expect it), a new landmark, or clutter, both spread evenly (docs/theory.md, section 10). A beam
+/// search: at no time are there more than `max_hypotheses`, or any far less likely than the best. `may_add`
+/// false: no landmark is new.
+template <class Space>
+std::vector<RankedAssignment> rank_assignments(const std::vector<Observation<Space>>& observations,
+                                               const PredictedMap<Space>& map,
+                                               const AssociationOptions& options, bool may_add);
+
+}  // namespace kinect_ekf_slam
