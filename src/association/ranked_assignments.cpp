@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
-#include "kinect_ekf_slam/association/gated_pairs.h"
 #include "kinect_ekf_slam/association/joint_innovation.h"
-#include "kinect_ekf_slam/core/chi_square.h"
 
 namespace kinect_ekf_slam {
 namespace {
@@ -62,14 +61,12 @@ bool is_free(std::size_t k, const std::vector<Observation<Space>>& observations,
 }  // namespace
 
 template <class Space>
-std::vector<RankedAssignment> rank_assignments(const std::vector<Observation<Space>>& observations,
-                                               const PredictedMap<Space>& map,
-                                               const AssociationOptions& options, bool may_add) {
-  const double gate = chi_square_quantile(options.gate_probability, Space::kPointDim);
-  const double log_clutter = std::log(options.clutter_density);
-  const double log_new = std::log(options.new_landmark_density) - log_clutter;
+std::vector<RankedAssignment> AssignmentRanking<Space>::rank(
+    const std::vector<Observation<Space>>& observations, const PredictedMap<Space>& map, bool may_add) const {
+  const double log_clutter = std::log(options_.clutter_density);
+  const double log_new = std::log(options_.new_landmark_density) - log_clutter;
   std::vector<std::vector<GatedPair>> candidates(observations.size());
-  for (const GatedPair& pair : Gates<Space>(options).pair(observations, map).pairs) {
+  for (const GatedPair& pair : gates_.pair(observations, map).pairs) {
     candidates[pair.observation].push_back(pair);
   }
   std::vector<std::size_t> nearest_first(observations.size());
@@ -86,7 +83,7 @@ std::vector<RankedAssignment> rank_assignments(const std::vector<Observation<Spa
     std::vector<Beam<Space>> extended;
     for (Beam<Space>& beam : beams) {
       std::vector<Option> choices{{{Verdict::kClutter}, 0.0}};
-      if (may_add && is_free(k, observations, map, beam.ranked, options.new_landmark_distance)) {
+      if (may_add && is_free(k, observations, map, beam.ranked, options_.new_landmark_distance)) {
         choices.push_back({{Verdict::kCreated}, log_new});
       }
       for (const GatedPair& pair : candidates[k]) {
@@ -94,13 +91,13 @@ std::vector<RankedAssignment> rank_assignments(const std::vector<Observation<Spa
         const auto increment = beam.joint.push(observations[k], pair.landmark);
         if (!increment) continue;
         beam.joint.pop();
-        if (increment->squared_distance >= gate) continue;
+        if (increment->squared_distance >= gates_.joint(1)) continue;
         const double attributes =
-            attribute_distance(observations[k].signature, map.info(pair.landmark), options);
+            attribute_distance(observations[k].signature, map.info(pair.landmark), options_);
         choices.push_back({{Verdict::kMatched, pair.landmark, increment->squared_distance},
                            increment->log_likelihood() - 0.5 * attributes - log_clutter});
       }
-      drop_unlikely(options, &choices);
+      drop_unlikely(options_, &choices);
       for (const Option& choice : choices) {
         Beam<Space> next = beam;
         if (choice.assignment.verdict == Verdict::kMatched) {
@@ -115,9 +112,9 @@ std::vector<RankedAssignment> rank_assignments(const std::vector<Observation<Spa
     std::stable_sort(extended.begin(), extended.end(), [](const Beam<Space>& left, const Beam<Space>& right) {
       return left.ranked.log_ratio > right.ranked.log_ratio;
     });
-    const double worst = extended.front().ranked.log_ratio - options.branch_width;
+    const double worst = extended.front().ranked.log_ratio - options_.branch_width;
     while (extended.back().ranked.log_ratio < worst ||
-           extended.size() > static_cast<std::size_t>(options.max_hypotheses)) {
+           extended.size() > static_cast<std::size_t>(options_.max_hypotheses)) {
       extended.pop_back();
     }
     beams = std::move(extended);
@@ -128,11 +125,7 @@ std::vector<RankedAssignment> rank_assignments(const std::vector<Observation<Spa
   return ranked;
 }
 
-template std::vector<RankedAssignment> rank_assignments<Planar>(const std::vector<Observation<Planar>>&,
-                                                                const PredictedMap<Planar>&,
-                                                                const AssociationOptions&, bool);
-template std::vector<RankedAssignment> rank_assignments<Spatial>(const std::vector<Observation<Spatial>>&,
-                                                                 const PredictedMap<Spatial>&,
-                                                                 const AssociationOptions&, bool);
+template class AssignmentRanking<Planar>;
+template class AssignmentRanking<Spatial>;
 
 }  // namespace kinect_ekf_slam

@@ -13,10 +13,12 @@ namespace {
 
 constexpr TimeNs kMergeInterval = 1000000000;
 constexpr double kTogether =
-    0.02;                         // share of the rarer one's sightings in which duplicates may appear as two
-constexpr int kFewestLooks = 20;  // before their share of sightings says something
-constexpr double kWellInside = 0.85;  // share of the view in which a landmark must be seen, if it is there
-constexpr double kBodyWidth = 0.3;    // m; what stands nearer in the same direction hides what is behind
+    0.02;  // share of the rarer one's sightings in which duplicates may appear as two
+constexpr double kVisitsApart = 5.0;    // s; looks in vain farther apart belong to different visits
+constexpr int kLooksOfVisit = 3;        // fewer say nothing: one look is missed easily
+constexpr int kSightingsPerVisit = 10;  // support that outweighs one visit in vain
+constexpr double kWellInside = 0.85;    // share of the view in which a landmark must be seen, if it is there
+constexpr double kBodyWidth = 0.3;      // m; what stands nearer in the same direction hides what is behind
 
 }  // namespace
 
@@ -28,7 +30,7 @@ template <class Space>
 void LifeCycle<Space>::keep(TimeNs stamp, const std::vector<Observation<Space>>& observations,
                             KalmanSlam<Space>* filter, UpdateReport* report) {
   count_sightings(stamp, filter, report);
-  if (options_.least_detection_rate > 0.0) count_misses(observations, filter, *report);
+  if (options_.remove_after_visits > 0) count_misses(stamp, observations, filter, *report);
   remove_unlikely(stamp, filter, report);
   if (options_.merge_distance > 0.0 && stamp - last_merged_ >= kMergeInterval) {
     last_merged_ = stamp;
@@ -51,13 +53,15 @@ void LifeCycle<Space>::count_sightings(TimeNs stamp, KalmanSlam<Space>* filter, 
     if (!is_accepted(assignment.verdict)) continue;
     const int id = assignment.landmark;
     if (assignment.verdict == Verdict::kCreated) {
-      records_[id] = {pose, stamp, 0, 0};
+      records_[id].first_seen_from = pose;
       filter->set_confirmed(id, false);
     }
     const auto record = records_.find(id);
     if (record == records_.end()) continue;
     record->second.last_seen = stamp;
     ++record->second.sightings;
+    record->second.misses_of_visit = 0;
+    record->second.visits_in_vain = 0;
     if (filter->find(id)->confirmed || !is_confirmed(record->second, pose)) continue;
     filter->set_confirmed(id, true);
     report->confirmed.push_back(id);
@@ -73,7 +77,7 @@ bool LifeCycle<Space>::is_confirmed(const Record& record, const typename Space::
 
 /// A landmark well inside the view that nothing hides should have been seen.
 template <class Space>
-void LifeCycle<Space>::count_misses(const std::vector<Observation<Space>>& observations,
+void LifeCycle<Space>::count_misses(TimeNs stamp, const std::vector<Observation<Space>>& observations,
                                     KalmanSlam<Space>* filter, const UpdateReport& report) {
   std::set<int> seen;
   for (const Assignment& assignment : report.assignments) {
@@ -94,7 +98,11 @@ void LifeCycle<Space>::count_misses(const std::vector<Observation<Space>>& obser
       const typename Space::Point across = other - other.dot(point) / (range * range) * point;
       return other.dot(point) > 0.0 && across.norm() < kBodyWidth;
     });
-    if (!hidden) ++record->second.misses;
+    if (hidden) continue;
+    Record& missed = record->second;
+    if (to_seconds(stamp - missed.last_missed) > kVisitsApart) missed.misses_of_visit = 0;
+    missed.last_missed = stamp;
+    if (++missed.misses_of_visit == kLooksOfVisit) ++missed.visits_in_vain;
   }
 }
 
@@ -104,11 +112,10 @@ void LifeCycle<Space>::remove_unlikely(TimeNs stamp, KalmanSlam<Space>* filter, 
   for (const auto& [id, record] : records_) {
     const LandmarkInfo* info = filter->find(id);
     if (info == nullptr) continue;
-    const int looks = record.sightings + record.misses;
     const bool never_confirmed =
         !info->confirmed && to_seconds(stamp - record.last_seen) > options_.forget_after;
-    const bool is_not_there =
-        looks >= kFewestLooks && record.sightings < options_.least_detection_rate * looks;
+    const int enough = std::min(options_.remove_after_visits, 1 + record.sightings / kSightingsPerVisit);
+    const bool is_not_there = options_.remove_after_visits > 0 && record.visits_in_vain >= enough;
     if (never_confirmed || is_not_there) unlikely.push_back(id);
   }
   for (const int id : unlikely) {

@@ -30,7 +30,7 @@ typename MultiHypothesis<Space>::Hypothesis MultiHypothesis<Space>::Hypothesis::
 
 template <class Space>
 MultiHypothesis<Space>::MultiHypothesis(const ManagedMap<Space>& map, const AssociationOptions& options)
-    : options_(options) {
+    : options_(options), ranking_(options) {
   hypotheses_.emplace_back();
   hypotheses_.back().map = std::make_unique<ManagedMap<Space>>(map);
 }
@@ -39,6 +39,7 @@ template <class Space>
 MultiHypothesis<Space>::MultiHypothesis(const MultiHypothesis& other)
     : SlamEstimator<Space>(other),
       options_(other.options_),
+      ranking_(other.ranking_),
       told_(other.told_),
       ids_of_frame_(other.ids_of_frame_),
       unused_id_(other.unused_id_) {
@@ -88,8 +89,8 @@ std::vector<typename MultiHypothesis<Space>::Branch> MultiHypothesis<Space>::bra
   std::vector<Branch> branches;
   for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
     Hypothesis& hypothesis = hypotheses_[i];
-    for (RankedAssignment& ranked : rank_assignments<Space>(
-             observations, hypothesis.map->expect(observations), options_, !hypothesis.map->map_fixed())) {
+    for (RankedAssignment& ranked :
+         ranking_.rank(observations, hypothesis.map->expect(observations), !hypothesis.map->map_fixed())) {
       const double log_weight = hypothesis.log_weight + ranked.log_ratio;
       branches.push_back({i, std::move(ranked), log_weight});
     }

@@ -228,10 +228,10 @@ void visit(Visitor& v, LifeCycleOptions& o) {
            "landmarks nearer than this that may be one and are not seen together become one; 0: never");
   v.number("map/merge_probability", &o.merge_probability, 1e-6, 1.0 - 1e-12, "-",
            "of the gate for their difference");
-  v.number("map/least_detection_rate", &o.least_detection_rate, 0.0, 1.0, "-",
-           "a landmark seen in a smaller share of the looks that should show it is taken off; 0: never");
+  v.integer("map/remove_after_visits", &o.remove_after_visits, 0, 1000, "visits",
+            "a landmark that so many visits in a row should have shown and did not is taken off; 0: never");
   v.number("map/field_of_view_deg", &o.field_of_view_deg, 1.0, 360.0, "deg",
-           "of the sensor about the robot's forward axis, for that");
+               "of the sensor about the robot's forward axis, for that");
   v.number("map/view_range", &o.view_range, 0.0, kInfinity, "m", "likewise, how far it sees");
 }
 

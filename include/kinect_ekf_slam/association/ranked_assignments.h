@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "kinect_ekf_slam/association/associator.h"
+#include "kinect_ekf_slam/association/gated_pairs.h"
 
 namespace kinect_ekf_slam {
 
@@ -13,15 +13,23 @@ struct RankedAssignment {
   double log_ratio = 0.0;               ///< their sum
 };
 
-/// The likely ways to explain the sightings of one time, the likeliest first; at least one.
+/// The likely ways to explain the sightings of one time.
 ///
 /// Each sighting, nearest first, is a landmark of the map (a Gaussian about where it and the pairs before it
 /// let expect it), a new landmark, or clutter, both spread evenly (docs/theory.md, section 10). A beam
-/// search: at no time are there more than `max_hypotheses`, or any far less likely than the best. `may_add`
-/// false: no landmark is new.
+/// search: at no time are there more than `max_hypotheses`, or any far less likely than the best.
 template <class Space>
-std::vector<RankedAssignment> rank_assignments(const std::vector<Observation<Space>>& observations,
-                                               const PredictedMap<Space>& map,
-                                               const AssociationOptions& options, bool may_add);
+class AssignmentRanking {
+ public:
+  explicit AssignmentRanking(const AssociationOptions& options) : options_(options), gates_(options) {}
+
+  /// The likeliest first; at least one. `may_add` false: no landmark is new.
+  std::vector<RankedAssignment> rank(const std::vector<Observation<Space>>& observations,
+                                     const PredictedMap<Space>& map, bool may_add) const;
+
+ private:
+  AssociationOptions options_;
+  Gates<Space> gates_;
+};
 
 }  // namespace kinect_ekf_slam

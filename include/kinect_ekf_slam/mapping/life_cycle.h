@@ -29,12 +29,15 @@ class LifeCycle {
     typename Space::Pose first_seen_from;
     TimeNs last_seen = 0;
     int sightings = 0;
-    int misses = 0;  ///< looks that should have shown it and did not
+    // Looks that should have shown it and did not, since it was last seen.
+    TimeNs last_missed = 0;
+    int misses_of_visit = 0;
+    int visits_in_vain = 0;
   };
 
   void count_sightings(TimeNs stamp, KalmanSlam<Space>* filter, UpdateReport* report);
-  void count_misses(const std::vector<Observation<Space>>& observations, KalmanSlam<Space>* filter,
-                    const UpdateReport& report);
+  void count_misses(TimeNs stamp, const std::vector<Observation<Space>>& observations,
+                    KalmanSlam<Space>* filter, const UpdateReport& report);
   void remove_unlikely(TimeNs stamp, KalmanSlam<Space>* filter, UpdateReport* report);
   void merge_duplicates(KalmanSlam<Space>* filter, UpdateReport* report);
   bool is_confirmed(const Record& record, const typename Space::Pose& map_from_base) const;

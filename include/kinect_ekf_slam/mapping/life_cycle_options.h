@@ -12,9 +12,9 @@ struct LifeCycleOptions {
   double merge_distance =
       0.0;  ///< m; nearer ones that may be one, and are not seen together, become one; 0: never
   double merge_probability = 0.99;  ///< of the gate for their difference
-  /// A landmark that is seen in a smaller share of the looks that should have shown it is taken off; 0:
-  /// never.
-  double least_detection_rate = 0.0;
+  /// A landmark is taken off when the robot has looked at its place so often, on separate visits, and not
+  /// seen it on any since; sooner when few sightings support it. 0: never.
+  int remove_after_visits = 0;
   double field_of_view_deg = 57.0;  ///< whole angle about the base's forward axis, for that
   double view_range = 2.6;          ///< m from the base
 };

@@ -71,6 +71,7 @@ class MultiHypothesis : public SlamEstimator<Space> {
   int new_id(std::size_t observation);
 
   AssociationOptions options_;
+  AssignmentRanking<Space> ranking_;
   std::vector<Hypothesis> hypotheses_;  ///< the likeliest first; never empty
   std::deque<Decision> told_;           ///< the latest that was told about sightings that are not final
   std::map<std::size_t, int>
