@@ -5,11 +5,12 @@
 #include <tuple>
 #include <utility>
 
+#include "kinect_ekf_slam/association/gate.h"
+
 namespace kinect_ekf_slam {
 namespace {
 
-constexpr double kSamePlace = 0.02;    // m; maps and poses nearer than this are the same
-constexpr double kSameHeading = 0.01;  // rad
+const double kSame = getenv("KSAME") ? atof(getenv("KSAME")) : 0.1;  // squared Mahalanobis distance below which two estimates do not differ
 
 }  // namespace
 
@@ -151,42 +152,41 @@ void MultiHypothesis<Space>::forget(int landmark, Hypothesis* hypothesis) {
   }
 }
 
-/// Hypotheses that have come to the same map and pose tell nothing apart any more: the likeliest stays.
+/// Hypotheses that have come to the same map and pose, as far as these are known, tell nothing apart any more:
+/// the likeliest stays.
 template <class Space>
 void MultiHypothesis<Space>::drop_the_same() {
   std::stable_sort(
       hypotheses_.begin(), hypotheses_.end(),
       [](const Hypothesis& left, const Hypothesis& right) { return left.log_weight > right.log_weight; });
-  struct Summary {
-    PoseEstimate<Space> pose;
-    std::vector<LandmarkEstimate<Space>> landmarks;
-  };
-  const auto is_same = [](const Summary& left, const Summary& right) {
-    if (left.landmarks.size() != right.landmarks.size()) return false;
-    const typename Space::PoseVector between =
-        pose_error<Space>(left.pose.map_from_base, right.pose.map_from_base);
-    if (between.template head<Space::kPointDim>().norm() > kSamePlace ||
-        between.template tail<Space::kTurnDim>().norm() > kSameHeading) {
-      return false;
-    }
-    return std::all_of(left.landmarks.begin(), left.landmarks.end(), [&](const auto& landmark) {
-      return std::any_of(right.landmarks.begin(), right.landmarks.end(), [&](const auto& other) {
-        return (landmark.position_in_map - other.position_in_map).norm() < kSamePlace;
-      });
-    });
-  };
+  if (hypotheses_.size() == 1) return;
   std::vector<Hypothesis> kept;
-  std::vector<Summary> summaries;
+  std::vector<Belief> beliefs;
   for (Hypothesis& hypothesis : hypotheses_) {
-    Summary summary;
-    if (hypotheses_.size() > 1) summary = {hypothesis.map->pose(), hypothesis.map->landmarks()};
-    const bool is_new = std::none_of(summaries.begin(), summaries.end(),
-                                     [&](const Summary& other) { return is_same(summary, other); });
+    Belief belief{hypothesis.map->pose(), hypothesis.map->landmarks()};
+    const bool is_new = std::none_of(beliefs.begin(), beliefs.end(),
+                                     [&](const Belief& other) { return is_same(other, belief); });
     if (!is_new) continue;
     kept.push_back(std::move(hypothesis));
-    summaries.push_back(std::move(summary));
+    beliefs.push_back(std::move(belief));
   }
   hypotheses_ = std::move(kept);
+}
+
+template <class Space>
+bool MultiHypothesis<Space>::is_same(const Belief& left, const Belief& right) {
+  if (left.landmarks.size() != right.landmarks.size()) return false;
+  const typename Space::PoseVector between =
+      pose_error<Space>(left.pose.map_from_base, right.pose.map_from_base);
+  const auto apart = squared_mahalanobis<Space::kPoseDim>(between, left.pose.covariance);
+  if (!apart || *apart > kSame) return false;
+  return std::all_of(left.landmarks.begin(), left.landmarks.end(), [&](const auto& landmark) {
+    return std::any_of(right.landmarks.begin(), right.landmarks.end(), [&](const auto& other) {
+      const typename Space::Point difference = other.position_in_map - landmark.position_in_map;
+      const auto distance = squared_mahalanobis<Space::kPointDim>(difference, landmark.covariance);
+      return distance && *distance < kSame;
+    });
+  });
 }
 
 /// What the best hypothesis held `decide_after` ago is final: others that differ there are dropped.

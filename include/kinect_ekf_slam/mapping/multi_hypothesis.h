@@ -53,6 +53,10 @@ class MultiHypothesis : public SlamEstimator<Space> {
     std::map<int, double> provisional_weight;  ///< what sightings of landmarks not confirmed yet have added
     Hypothesis copy() const;
   };
+  struct Belief {
+    PoseEstimate<Space> pose;
+    std::vector<LandmarkEstimate<Space>> landmarks;
+  };
   struct Branch {
     std::size_t parent;
     RankedAssignment ranked;
@@ -66,6 +70,7 @@ class MultiHypothesis : public SlamEstimator<Space> {
   /// Its sightings were clutter.
   static void forget(int landmark, Hypothesis* hypothesis);
   void drop_the_same();
+  static bool is_same(const Belief& left, const Belief& right);
   void decide(TimeNs stamp);
   void tell_revisions(TimeNs stamp, UpdateReport* report);
   int new_id(std::size_t observation);
