@@ -10,7 +10,7 @@
 namespace kinect_ekf_slam {
 namespace {
 
-const double kSame = getenv("KSAME") ? atof(getenv("KSAME")) : 0.1;  // squared Mahalanobis distance below which two estimates do not differ
+constexpr double kSame = 0.1;  // squared Mahalanobis distance below which two estimates do not differ
 
 }  // namespace
 
@@ -152,8 +152,8 @@ void MultiHypothesis<Space>::forget(int landmark, Hypothesis* hypothesis) {
   }
 }
 
-/// Hypotheses that have come to the same map and pose, as far as these are known, tell nothing apart any more:
-/// the likeliest stays.
+/// Hypotheses that have come to the same map and pose, as far as these are known, tell nothing apart any
+/// more: the likeliest stays.
 template <class Space>
 void MultiHypothesis<Space>::drop_the_same() {
   std::stable_sort(
@@ -164,6 +164,9 @@ void MultiHypothesis<Space>::drop_the_same() {
   std::vector<Belief> beliefs;
   for (Hypothesis& hypothesis : hypotheses_) {
     Belief belief{hypothesis.map->pose(), hypothesis.map->landmarks()};
+    const auto is_provisional = [](const auto& landmark) { return !landmark.info.confirmed; };
+    belief.landmarks.erase(std::remove_if(belief.landmarks.begin(), belief.landmarks.end(), is_provisional),
+                           belief.landmarks.end());
     const bool is_new = std::none_of(beliefs.begin(), beliefs.end(),
                                      [&](const Belief& other) { return is_same(other, belief); });
     if (!is_new) continue;
