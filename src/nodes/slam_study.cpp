@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -9,6 +11,8 @@
 #include "kinect_ekf_slam/simulation/world.h"
 #include "kinect_ekf_slam/study/consistency_study.h"
 #include "kinect_ekf_slam/study/kidnapped_study.h"
+#include "kinect_ekf_slam/study/patrol_study.h"
+#include "kinect_ekf_slam/study/robustness_study.h"
 #include "kinect_ekf_slam/study/room_study.h"
 
 namespace {
@@ -17,15 +21,23 @@ constexpr const char* kUsage =
     "usage: slam_study room [--world FILE.yaml] [--seeds N] [--config FILE.yaml] [--set group/key=value "
     "...]\n"
     "                       [--json FILE]\n"
-    "       slam_study kidnapped [--world FILE.yaml] [--seeds N] [--config FILE.yaml] [--set group/key=value "
-    "...]\n"
+    "       slam_study robustness (as room)\n"
+    "       slam_study kidnapped (as room, without --json)\n"
+    "       slam_study patrol [--minutes N] (as room, without --seeds and --json)\n"
     "       slam_study consistency [--space planar|spatial] [--sensor kinect|far] [--seeds N] [--loops N]\n"
     "                       [--json FILE]\n"
     "\n"
     "room: simulates one world with many seeds, runs each through the SLAM pipeline in memory, and compares "
     "with\n"
-    "the truth. kidnapped: robots put down anywhere in the world look for themselves in its map.\n"
-    "  --world FILE.yaml       default: config/worlds/room.yaml\n"
+    "the truth. robustness: the same with one fault of the sensors after the other from none to gross, "
+    "beside "
+    "what a\n"
+    "textbook's association makes of it. kidnapped: robots put down anywhere in the world look for "
+    "themselves in "
+    "its\n"
+    "map. patrol: round and round in one world: do map, memory and time per update stay as they are?\n"
+    "  --world FILE.yaml       default: config/worlds/room.yaml; robustness and patrol: room_hard.yaml\n"
+    "  --minutes N             of simulated time; default: 60\n"
     "  --config FILE.yaml      parameters that differ from config/slam.yaml; may be given more than once\n"
     "  --set group/key=value   one parameter, over all files\n"
     "consistency: many loops with exactly the noise that the filters assume: do their covariances tell the "
@@ -35,10 +47,12 @@ constexpr const char* kUsage =
     "  --loops N               default: 10\n"
     "All:\n"
     "  --seeds N               seeds 1 to N; default: 100, consistency: 50\n"
-    "  --json FILE             write the figures, also those of each seed or time, there; not of kidnapped\n"
+    "  --json FILE             write the figures, also those of each seed or time, there\n"
     "Exit: 0 done, 2 the input cannot be used (one line says why).\n";
 
 constexpr int kMostSeeds = 1000000;
+constexpr const char* kRoom = "config/worlds/room.yaml";
+constexpr const char* kHardRoom = "config/worlds/room_hard.yaml";
 
 using kinect_ekf_slam::CommandLine;
 
@@ -66,15 +80,19 @@ void write(const std::string& path, const std::string& json) {
 struct RoomRequest {
   kinect_ekf_slam::RoomStudy study;
   std::string json;
+  int minutes = 60;
 };
 
-RoomRequest parse_room(CommandLine* words) {
+/// `others`: options of other studies, which this one has no use for.
+RoomRequest parse_room(CommandLine* words, std::string world, const std::vector<std::string>& others) {
   RoomRequest request;
-  std::string world = "config/worlds/room.yaml";
   std::vector<std::string> configs;
   std::vector<std::string> settings;
   while (words->next()) {
     const std::string& word = words->word();
+    if (std::find(others.begin(), others.end(), word) != others.end()) {
+      words->fail_at_word("not an option of this study");
+    }
     if (word == "--world") {
       world = words->value();
     } else if (word == "--seeds") {
@@ -86,6 +104,8 @@ RoomRequest parse_room(CommandLine* words) {
       settings.insert(settings.end(), more.begin(), more.end());
     } else if (word == "--json") {
       request.json = words->value();
+    } else if (word == "--minutes") {
+      request.minutes = words->number(1, 100000, "a whole number from 1 to 100000");
     } else {
       words->fail_at_word("unknown option of this study");
     }
@@ -101,7 +121,7 @@ RoomRequest parse_room(CommandLine* words) {
 }
 
 void study_room(CommandLine* words) {
-  const RoomRequest request = parse_room(words);
+  const RoomRequest request = parse_room(words, kRoom, {"--minutes"});
   const std::vector<kinect_ekf_slam::RoomRun> runs = kinect_ekf_slam::run_study(request.study);
   const kinect_ekf_slam::RoomSummary summary = kinect_ekf_slam::summarize(runs);
   kinect_ekf_slam::clear_progress_bar();
@@ -109,9 +129,28 @@ void study_room(CommandLine* words) {
   write(request.json, kinect_ekf_slam::to_json(summary, runs));
 }
 
+void study_robustness(CommandLine* words) {
+  const RoomRequest request = parse_room(words, kHardRoom, {"--minutes"});
+  const auto sweeps = kinect_ekf_slam::run_robustness(request.study, kinect_ekf_slam::common_faults());
+  kinect_ekf_slam::clear_progress_bar();
+  std::fputs(kinect_ekf_slam::to_table(sweeps).c_str(), stdout);
+  write(request.json, kinect_ekf_slam::to_json(sweeps));
+}
+
+void study_patrol(CommandLine* words) {
+  const RoomRequest request = parse_room(words, kHardRoom, {"--seeds", "--json"});
+  kinect_ekf_slam::PatrolStudy study;
+  study.world = request.study.world;
+  study.pipeline = request.study.pipeline;
+  study.minutes = request.minutes;
+  study.on_progress = request.study.on_progress;
+  const auto patrol = kinect_ekf_slam::run_study(study);
+  kinect_ekf_slam::clear_progress_bar();
+  std::fputs(kinect_ekf_slam::to_table(patrol).c_str(), stdout);
+}
+
 void study_kidnapped(CommandLine* words) {
-  const RoomRequest request = parse_room(words);
-  if (!request.json.empty()) words->fail("--json: kidnapped writes none");
+  const RoomRequest request = parse_room(words, kRoom, {"--minutes", "--json"});
   if (request.study.world.is_spatial()) words->fail("kidnapped: the world must be a planar one");
   kinect_ekf_slam::KidnappedStudy study;
   study.world = request.study.world;
@@ -168,15 +207,17 @@ int main(int argc, char** argv) {
   CommandLine words("slam_study", kUsage, argc, argv);
   try {
     const std::string study = words.next() ? words.word() : "";
-    if (study == "room") {
-      study_room(&words);
-    } else if (study == "consistency") {
-      study_consistency(&words);
-    } else if (study == "kidnapped") {
-      study_kidnapped(&words);
-    } else {
-      words.fail("'" + study + "' given, allowed: room, kidnapped, consistency; see --help");
+    const std::map<std::string, void (*)(CommandLine*)> studies = {{"room", study_room},
+                                                                   {"robustness", study_robustness},
+                                                                   {"kidnapped", study_kidnapped},
+                                                                   {"patrol", study_patrol},
+                                                                   {"consistency", study_consistency}};
+    const auto chosen = studies.find(study);
+    if (chosen == studies.end()) {
+      words.fail("'" + study +
+                 "' given, allowed: room, robustness, kidnapped, patrol, consistency; see --help");
     }
+    chosen->second(&words);
   } catch (const std::exception& error) {
     words.fail(error.what());
   }
