@@ -54,6 +54,7 @@ FastSlam<Space>::FastSlam(const EstimatorOptions& options,
       random_(static_cast<std::uint64_t>(options.seed), 0),
       particles_(static_cast<std::size_t>(options.particles)),
       weights_(particles_.size(), 1.0 / options.particles),
+      contradictions_(options),
       ids_(associator_->knows_identities()) {
   set_pose(initial);
 }
@@ -257,6 +258,7 @@ int FastSlam<Space>::new_track(TimeNs stamp, const Signature& signature) {
       std::find_if(tracks_.begin(), tracks_.end(), [](const Track& old) { return old.holders == 0; });
   if (track == tracks_.end()) track = tracks_.emplace(track);
   *track = {};
+  contradictions_.forget(static_cast<int>(track - tracks_.begin()));
   track->holders = 1;  // at least: the one that asked
   track->info.id = ids_.next(signature);
   track->info.add(stamp, signature);
@@ -308,33 +310,27 @@ UpdateReport FastSlam<Space>::vote(std::size_t observations) const {
 /// Keeps what all particles have in common up to date, and turns the report's tracks into ids.
 template <class Space>
 void FastSlam<Space>::note(TimeNs stamp, const Observations& observations, UpdateReport* report) {
-  std::set<int> settled;  // a message counts once for a landmark, and not against one that it matched as well
   for (std::size_t k = 0; k < observations.size(); ++k) {
     const Assignment& assignment = report->assignments[k];
     if (assignment.verdict != Verdict::kMatched) continue;
-    settled.insert(assignment.landmark);
-    Track& track = tracks_[assignment.landmark];
+    LandmarkInfo& info = tracks_[assignment.landmark].info;
     if (fixed_map_) {
-      track.info.last_seen = stamp;  // the next one may be an echo
+      info.last_seen = stamp;  // the next one may be an echo
     } else {
-      track.info.add(stamp, observations[k].signature);
-      track.contradictions = 0;
+      info.add(stamp, observations[k].signature);
     }
   }
-  for (std::size_t k = 0; k < observations.size(); ++k) {
-    Assignment& assignment = report->assignments[k];
-    if (assignment.landmark < 0) continue;
-    Track& track = tracks_[assignment.landmark];
-    if (assignment.verdict == Verdict::kOutsideGate && !fixed_map_ && options_.replace_after > 0 &&
-        settled.insert(assignment.landmark).second) {
-      const int contradictions = ++track.contradictions;
-      if (contradictions >= options_.replace_after &&
-          contradictions >= static_cast<int>(track.info.observations)) {
-        replace(assignment.landmark, stamp, observations[k]);
-        assignment.verdict = Verdict::kCreated;
-      }
+  if (!fixed_map_) {
+    const auto observations_of = [this](int track) {
+      return static_cast<int>(tracks_[track].info.observations);
+    };
+    for (const std::size_t k : contradictions_.misplaced(report->assignments, observations_of)) {
+      replace(report->assignments[k].landmark, stamp, observations[k]);
+      report->assignments[k].verdict = Verdict::kCreated;
     }
-    assignment.landmark = track.info.id;
+  }
+  for (Assignment& assignment : report->assignments) {
+    if (assignment.landmark >= 0) assignment.landmark = tracks_[assignment.landmark].info.id;
   }
 }
 
@@ -345,7 +341,6 @@ void FastSlam<Space>::replace(int track, TimeNs stamp, const Observation<Space>&
   tracks_[track].info = {};
   tracks_[track].info.id = ids_.next(observation.signature);
   tracks_[track].info.add(stamp, observation.signature);
-  tracks_[track].contradictions = 0;
   for (Particle& particle : particles_) place(track, observation, &particle);
   bound(track);
 }

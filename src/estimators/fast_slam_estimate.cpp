@@ -122,6 +122,7 @@ void FastSlam<Space>::restore(const SlamState<Space>& state) {
   }
   const Eigen::MatrixXd white = standardized_draws(kPoseDim, options_.particles, &random_);
   ids_.clear();
+  contradictions_.clear();
   tracks_.assign(state.infos.size(), {});
   for (std::size_t m = 0; m < particles_.size(); ++m) {
     const PoseVector w = white.col(static_cast<Eigen::Index>(m));

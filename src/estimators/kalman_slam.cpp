@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "kinect_ekf_slam/association/gate.h"
@@ -69,7 +68,7 @@ UpdateReport KalmanSlam<Space>::observe(TimeNs stamp, const std::vector<Observat
       assignment.landmark = state_.info(state_.landmark_count() - 1).id;
     }
   }
-  if (!map_fixed_ && options_.replace_after > 0) replace_if_contradicted(stamp, observations, &report);
+  if (!map_fixed_) replace_if_contradicted(stamp, observations, &report);
   return report;
 }
 
@@ -108,10 +107,8 @@ bool KalmanSlam<Space>::update(TimeNs stamp, const std::vector<Observation<Space
   } else {
     P.template selfadjointView<Eigen::Lower>().rankUpdate(weighted, -1.0);
     retract(weighted * whitened);
-    for (const Match& match : matches) {
+    for (const Match& match : matches)
       state_.info(match.landmark).add(stamp, observations[match.observation].signature);
-      contradictions_.erase(state_.info(match.landmark).id);
-    }
   }
   corrected(matches, cholesky, weighted, whitened);
   report->nis = whitened.squaredNorm();
@@ -145,26 +142,23 @@ void KalmanSlam<Space>::add_landmark(TimeNs stamp, const Observation<Space>& obs
 }
 
 template <class Space>
+int KalmanSlam<Space>::index_of(int id) const {
+  int index = 0;
+  while (state_.info(index).id != id) ++index;
+  return index;
+}
+
+template <class Space>
 void KalmanSlam<Space>::replace_if_contradicted(TimeNs stamp,
                                                 const std::vector<Observation<Space>>& observations,
                                                 UpdateReport* report) {
-  std::set<int> settled;  // a message counts once for a landmark, and not against one that it matched as well
-  for (const Assignment& assignment : report->assignments) {
-    if (assignment.verdict == Verdict::kMatched) settled.insert(assignment.landmark);
-  }
-  for (std::size_t k = 0; k < observations.size(); ++k) {
+  const auto observations_of = [this](int id) {
+    return static_cast<int>(state_.info(index_of(id)).observations);
+  };
+  for (const std::size_t k : contradictions_.misplaced(report->assignments, observations_of)) {
     Assignment& assignment = report->assignments[k];
-    if (assignment.verdict != Verdict::kOutsideGate || !settled.insert(assignment.landmark).second) continue;
-    int index = 0;
-    while (index < state_.landmark_count() && state_.info(index).id != assignment.landmark) ++index;
-    if (index == state_.landmark_count()) continue;
-    const LandmarkInfo& info = state_.info(index);
-    const int contradictions = ++contradictions_[info.id];
-    if (contradictions < options_.replace_after || contradictions < static_cast<int>(info.observations)) {
-      continue;
-    }
-    ids_.misplaced(info);
-    contradictions_.erase(info.id);
+    const int index = index_of(assignment.landmark);
+    ids_.misplaced(state_.info(index));
     remove_landmark(index);
     add_landmark(stamp, observations[k]);
     assignment.verdict = Verdict::kCreated;

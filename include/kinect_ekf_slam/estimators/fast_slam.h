@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "kinect_ekf_slam/estimators/contradictions.h"
 #include "kinect_ekf_slam/estimators/gaussian.h"
 #include "kinect_ekf_slam/estimators/landmark_ids.h"
 #include "kinect_ekf_slam/estimators/options.h"
@@ -67,10 +68,9 @@ class FastSlam : public SlamEstimator<Space> {
   /// What the particles have in common of a landmark.
   struct Track {
     LandmarkInfo info;
-    int contradictions = 0;  ///< refused sightings in a row
-    int holders = 0;         ///< particles that have it; none: the track is free
-    Box box;                 ///< m, in the map; holds the landmark's mean of every particle
-    double variance = 0.0;   ///< m^2, the largest trace of its covariance
+    int holders = 0;        ///< particles that have it; none: the track is free
+    Box box;                ///< m, in the map; holds the landmark's mean of every particle
+    double variance = 0.0;  ///< m^2, the largest trace of its covariance
   };
   class Prediction;
 
@@ -114,7 +114,8 @@ class FastSlam : public SlamEstimator<Space> {
   std::vector<Particle> particles_;
   std::vector<double> weights_;  ///< sum one
   std::vector<Track> tracks_;
-  MotionStep<Space> motion_;  ///< since the particles' poses
+  MotionStep<Space> motion_;       ///< since the particles' poses
+  Contradictions contradictions_;  ///< by track
   LandmarkIds ids_;
   std::optional<SlamState<Space>> fixed_map_;  ///< the landmarks of this state; its pose is none
 };
