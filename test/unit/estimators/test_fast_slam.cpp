@@ -94,6 +94,38 @@ TEST(FastSlam, PredictsLikeTheKalmanFilterUntilSomethingIsSeen) {
   EXPECT_TRUE(MatrixNear(particles->pose().covariance, ekf->pose().covariance, 1e-9));
 }
 
+/// A particle whose pose is not drawn is a Kalman filter, in all that it says.
+template <class Space>
+void expect_kalmans_numbers_while_nothing_is_drawn() {
+  EstimatorOptions options = testing::textbook(Type::kFastSlam2);
+  options.particles = 3;
+  options.draw_after = 13;
+  Scenario<Space> scenario(7, 12);
+  const auto initial = pose_at<Space>(typename Space::Pose(), 0.02);
+  const auto particles = make_estimator<Space>(options, testing::known_identities(), initial);
+  const auto ekf = make_estimator<Space>(testing::textbook(Type::kEkf), testing::known_identities(), initial);
+  for (int i = 0; i < 30; ++i) {
+    const auto step = scenario.drive(testing::gentle_curve<Space>());
+    const auto sightings = scenario.look();
+    for (const auto estimator : {particles.get(), ekf.get()}) {
+      estimator->predict(step);
+      estimator->observe(1 + i, sightings);
+    }
+  }
+  const auto last_step = scenario.drive(testing::gentle_curve<Space>());
+  for (const auto estimator : {particles.get(), ekf.get()}) estimator->predict(last_step);
+  EXPECT_GT(ekf->landmarks().size(), 5U);
+  EXPECT_TRUE(testing::PoseNear(particles->pose().map_from_base, ekf->pose().map_from_base, 1e-9));
+  EXPECT_TRUE(MatrixNear(particles->pose().covariance, ekf->pose().covariance, 1e-9));
+  EXPECT_TRUE(MatrixNear(particles->snapshot().covariance, ekf->snapshot().covariance, 1e-9));
+  EXPECT_TRUE(MatrixNear(particles->snapshot().landmarks_in_map, ekf->snapshot().landmarks_in_map, 1e-9));
+}
+
+TEST(FastSlam, IsTheKalmanFilterWhileNoPoseIsDrawn) {
+  expect_kalmans_numbers_while_nothing_is_drawn<Planar>();
+  expect_kalmans_numbers_while_nothing_is_drawn<Spatial>();
+}
+
 /// One sighting of one known landmark is a linear problem: the particles' mean and covariance are Kalman's,
 /// as far as a thousand of them tell.
 TEST(FastSlam, AgreesWithTheKalmanFilterOnOneSighting) {
