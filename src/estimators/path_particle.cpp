@@ -20,8 +20,8 @@ PathParticle<Space>::PathParticle(const SlamState<Space>& state)
 template <class Space>
 void PathParticle<Space>::set_pose(const Pose& map_from_base) {
   map_from_base_ = map_from_base;
-  window_.clear();
-  covariance_ = PoseMatrix::Zero();
+  covariance_.topRows(kPoseDim).setZero();
+  covariance_.leftCols(kPoseDim).setZero();
 }
 
 template <class Space>
@@ -151,7 +151,8 @@ void PathParticle<Space>::draw(const PoseVector& white) {
     error << T * L * white, by_draw * white;
     retract(error);
   }
-  set_pose(map_from_base_);
+  window_.clear();
+  covariance_ = PoseMatrix::Zero();
 }
 
 template class PathParticle<Planar>;

@@ -57,7 +57,7 @@ TEST(FastSlam, MapsAsWellAsTheKalmanFilterForAWhile) {
   const Outcome ekf = outcome(testing::textbook(), 20);
   const Outcome second = outcome(testing::textbook(Type::kFastSlam2), 20);
   EXPECT_LT(second.landmark_rmse, 1.15 * ekf.landmark_rmse);
-  EXPECT_LT(second.pose_nees, 6.0) << "3 when consistent; a hundred particles forget how uncertain they were";
+  EXPECT_LT(second.pose_nees, 4.0) << "3 when consistent";
 }
 
 /// FastSLAM 2.0 draws where the landmarks say that the robot is: there 1.0 has few of its particles.
@@ -70,6 +70,7 @@ TEST(FastSlam, TheSecondMapsBetterThanTheFirstWithAsManyParticles) {
 
 TEST(FastSlam, AnotherSeedGivesAnotherResult) {
   EstimatorOptions options = testing::textbook(Type::kFastSlam2);
+  options.draw_after = 1;
   const Se2 first = [&] {
     const auto estimator = make(options);
     estimator->observe(1, {seen<Planar>({1.0, 0.0}, 1)});
@@ -114,7 +115,7 @@ void expect_kalmans_numbers_while_nothing_is_drawn() {
   }
   const auto last_step = scenario.drive(testing::gentle_curve<Space>());
   for (const auto estimator : {particles.get(), ekf.get()}) estimator->predict(last_step);
-  EXPECT_GT(ekf->landmarks().size(), 5U);
+  EXPECT_GT(ekf->landmarks().size(), 3U);
   EXPECT_TRUE(testing::PoseNear(particles->pose().map_from_base, ekf->pose().map_from_base, 1e-9));
   EXPECT_TRUE(MatrixNear(particles->pose().covariance, ekf->pose().covariance, 1e-9));
   EXPECT_TRUE(MatrixNear(particles->snapshot().covariance, ekf->snapshot().covariance, 1e-9));
