@@ -158,6 +158,7 @@ TEST(FastSlam, HeavyTailsSurviveAMotionThatTheOdometryDidNotTell) {
     for (int i = 1; i <= 10; ++i) {
       if (i == 5) truth = truth * Se2(0.5, 0.3, 0.4);  // 25 sigma
       std::vector<Observation<Planar>> observations;
+      observations.reserve(landmarks.size());
       for (int k = 0; k < 3; ++k) {
         observations.push_back(
             seen<Planar>(truth.inverse() * landmarks[static_cast<std::size_t>(k)], k, 0.02));
