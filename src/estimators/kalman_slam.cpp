@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "kinect_ekf_slam/association/gate.h"
@@ -76,7 +75,7 @@ UpdateReport KalmanSlam<Space>::apply(TimeNs stamp, const Observations& observat
       assignment.landmark = state_.info(state_.landmark_count() - 1).id;
     }
   }
-  if (!map_fixed_ && options_.replace_after > 0) replace_if_contradicted(stamp, observations, &report);
+  if (!map_fixed_) replace_if_contradicted(stamp, observations, &report);
   return report;
 }
 
@@ -115,10 +114,8 @@ bool KalmanSlam<Space>::update(TimeNs stamp, const Observations& observations,
   } else {
     P.template selfadjointView<Eigen::Lower>().rankUpdate(weighted, -1.0);
     retract(weighted * whitened);
-    for (const Match& match : matches) {
+    for (const Match& match : matches)
       state_.info(match.landmark).add(stamp, observations[match.observation].signature);
-      contradictions_.erase(state_.info(match.landmark).id);
-    }
   }
   corrected(matches, cholesky, weighted, whitened);
   report->nis = whitened.squaredNorm();
@@ -155,23 +152,13 @@ void KalmanSlam<Space>::add_landmark(TimeNs stamp, const Observation<Space>& obs
 template <class Space>
 void KalmanSlam<Space>::replace_if_contradicted(TimeNs stamp, const Observations& observations,
                                                 UpdateReport* report) {
-  std::set<int> settled;  // a message counts once for a landmark, and not against one that it matched as well
-  for (const Assignment& assignment : report->assignments) {
-    if (assignment.verdict == Verdict::kMatched) settled.insert(assignment.landmark);
-  }
-  for (std::size_t k = 0; k < observations.size(); ++k) {
+  const auto observations_of = [this](int id) {
+    return static_cast<int>(state_.info(index_of(id)).observations);
+  };
+  for (const std::size_t k : contradictions_.misplaced(report->assignments, observations_of)) {
     Assignment& assignment = report->assignments[k];
-    if (assignment.verdict != Verdict::kOutsideGate || !settled.insert(assignment.landmark).second) continue;
-    int index = 0;
-    while (index < state_.landmark_count() && state_.info(index).id != assignment.landmark) ++index;
-    if (index == state_.landmark_count()) continue;
-    const LandmarkInfo& info = state_.info(index);
-    const int contradictions = ++contradictions_[info.id];
-    if (contradictions < options_.replace_after || contradictions < static_cast<int>(info.observations)) {
-      continue;
-    }
-    ids_.misplaced(info);
-    contradictions_.erase(info.id);
+    const int index = index_of(assignment.landmark);
+    ids_.misplaced(state_.info(index));
     remove_landmark(index);
     add_landmark(stamp, observations[k]);
     assignment.verdict = Verdict::kCreated;
@@ -234,7 +221,7 @@ template <class Space>
 bool KalmanSlam<Space>::remove(int id) {
   const int index = index_of(id);
   if (index >= 0) remove_landmark(index);
-  contradictions_.erase(id);
+  contradictions_.forget(id);
   return index >= 0;
 }
 
@@ -262,7 +249,7 @@ bool KalmanSlam<Space>::merge(int kept_id, int dropped_id, double gate) {
   retract(weighted * whitened);
   state_.info(kept).absorb(state_.info(dropped));
   remove_landmark(dropped);
-  contradictions_.erase(dropped_id);
+  contradictions_.forget(dropped_id);
   return true;
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <map>
@@ -18,12 +19,11 @@
 namespace {
 
 constexpr const char* kUsage =
-    "usage: slam_study room [--world FILE.yaml] [--seeds N] [--config FILE.yaml] [--set group/key=value "
-    "...]\n"
-    "                       [--json FILE]\n"
+    "usage: slam_study room [--world FILE.yaml] [--seeds N] [--first-seed N] [--config FILE.yaml]\n"
+    "                       [--set group/key=value ...] [--json FILE]\n"
     "       slam_study robustness (as room)\n"
     "       slam_study kidnapped (as room, without --json)\n"
-    "       slam_study patrol [--minutes N] (as room, without --seeds and --json)\n"
+    "       slam_study patrol [--minutes N] (as room, without --seeds, --first-seed and --json)\n"
     "       slam_study consistency [--space planar|spatial] [--sensor kinect|far] [--seeds N] [--loops N]\n"
     "                       [--json FILE]\n"
     "\n"
@@ -40,14 +40,15 @@ constexpr const char* kUsage =
     "  --minutes N             of simulated time; default: 60\n"
     "  --config FILE.yaml      parameters that differ from config/slam.yaml; may be given more than once\n"
     "  --set group/key=value   one parameter, over all files\n"
+    "  --first-seed N          the others follow it; default: 1\n"
     "consistency: many loops with exactly the noise that the filters assume: do their covariances tell the "
     "truth?\n"
     "  --space                 default: planar\n"
     "  --sensor                kinect: 0.6 to 2.6 m, far: up to 5 m, both 57 degrees wide; default: kinect\n"
     "  --loops N               default: 10\n"
     "All:\n"
-    "  --seeds N               seeds 1 to N; default: 100, consistency: 50\n"
-    "  --json FILE             write the figures, also those of each seed or time, there\n"
+    "  --seeds N               how many, each a run; default: 100, consistency: 50\n"
+    "  --json FILE             write the figures, also those of each seed or time, there; not of kidnapped\n"
     "Exit: 0 done, 2 the input cannot be used (one line says why).\n";
 
 constexpr int kMostSeeds = 1000000;
@@ -97,6 +98,9 @@ RoomRequest parse_room(CommandLine* words, std::string world, const std::vector<
       world = words->value();
     } else if (word == "--seeds") {
       request.study.seeds = seed_count(words);
+    } else if (word == "--first-seed") {
+      request.study.first_seed = words->number<std::uint64_t>(
+          0, kMostSeeds, "a whole number from 0 to " + std::to_string(kMostSeeds));
     } else if (word == "--config") {
       configs.push_back(words->value());
     } else if (word == "--set") {
@@ -138,7 +142,7 @@ void study_robustness(CommandLine* words) {
 }
 
 void study_patrol(CommandLine* words) {
-  const RoomRequest request = parse_room(words, kHardRoom, {"--seeds", "--json"});
+  const RoomRequest request = parse_room(words, kHardRoom, {"--seeds", "--first-seed", "--json"});
   kinect_ekf_slam::PatrolStudy study;
   study.world = request.study.world;
   study.pipeline = request.study.pipeline;
@@ -156,6 +160,7 @@ void study_kidnapped(CommandLine* words) {
   study.world = request.study.world;
   study.pipeline = request.study.pipeline;
   study.robots = request.study.seeds;
+  study.first_seed = request.study.first_seed;
   study.on_progress = request.study.on_progress;
   for (const bool looks : {true, false}) {
     study.looks = looks;

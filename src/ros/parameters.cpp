@@ -143,6 +143,9 @@ void visit(Visitor& v, EstimatorOptions& o, PipelineOptions& pipeline) {
             "known identities: in a row that contradict a landmark place it anew; 0: never");
   v.integer("estimator/max_landmarks", &o.max_landmarks, 1, 1000000, "landmarks", "more are refused");
   v.integer("estimator/particles", &o.particles, 1, 100000, "particles", "FastSLAM");
+  v.integer("estimator/draw_after", &o.draw_after, 1, 1000, "landmarks",
+            "fastslam2: seen before the pose is drawn; until then a particle is a Kalman filter of pose and "
+            "those; 1: drawn at each sighting");
   v.number("estimator/resample_below", &o.resample_below, 0.0, 1.0, "-",
            "FastSLAM: resampled when a smaller share of the particles is effective");
   v.choice<EstimatorOptions::MotionTail>(

@@ -2,11 +2,11 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include "kinect_ekf_slam/estimators/contradictions.h"
 #include "kinect_ekf_slam/estimators/gaussian_state.h"
 #include "kinect_ekf_slam/estimators/landmark_ids.h"
 #include "kinect_ekf_slam/estimators/options.h"
@@ -25,6 +25,7 @@ class KalmanSlam : public SlamEstimator<Space> {
       : options_(options),
         associator_(std::move(associator)),
         state_(initial),
+        contradictions_(options),
         ids_(associator_->knows_identities()) {}
 
   using Observations = std::vector<Observation<Space>>;
@@ -123,7 +124,7 @@ class KalmanSlam : public SlamEstimator<Space> {
   void add_landmark(TimeNs stamp, const Observation<Space>& observation, int id = kNoId);
   void replace_if_contradicted(TimeNs stamp, const Observations& observations, UpdateReport* report);
 
-  std::map<int, int> contradictions_;  ///< by the landmark's id: refused sightings in a row
+  Contradictions contradictions_;  ///< by the landmark's id
   LandmarkIds ids_;
   PredictedMeasurement predicted_;  ///< reused between updates
 };
