@@ -50,7 +50,9 @@ std::vector<PatrolStretch> run_study(const PatrolStudy& study) {
     const double end =
         static_cast<double>(study.minutes) * static_cast<double>(patrol.size() + 1) / kStretches;
     if (minutes < end || updates.empty()) continue;
-    patrol.push_back({minutes, pipeline->map().size(), resident_megabytes(), median(updates)});
+    const auto map = pipeline->map();
+    const auto confirmed = std::count_if(map.begin(), map.end(), [](const auto& l) { return l.confirmed; });
+    patrol.push_back({minutes, static_cast<std::size_t>(confirmed), resident_megabytes(), median(updates)});
     updates.clear();
     if (study.on_progress) study.on_progress(static_cast<double>(patrol.size()) / kStretches);
   }

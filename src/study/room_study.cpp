@@ -31,7 +31,9 @@ MapComparison compare(const World& world, const std::vector<Landmark3d>& map) {
   for (const WorldLandmark& landmark : world.landmarks) {
     truth.push_back(Space::from_3d(start_from_world * landmark.position_in_world));
   }
-  for (const Landmark3d& landmark : map) estimate.push_back(Space::from_3d(landmark.position_in_map));
+  for (const Landmark3d& landmark : map) {
+    if (landmark.confirmed) estimate.push_back(Space::from_3d(landmark.position_in_map));
+  }
   return compare_maps<Space>(truth, estimate);
 }
 

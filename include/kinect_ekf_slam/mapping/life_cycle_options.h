@@ -17,6 +17,15 @@ struct LifeCycleOptions {
   int remove_after_visits = 0;
   double field_of_view_deg = 57.0;  ///< whole angle about the base's forward axis, for that
   double view_range = 2.6;          ///< m from the base
+
+  /// What is mapped stays.
+  static LifeCycleOptions none() {
+    LifeCycleOptions options;
+    options.confirm_sightings = 1;
+    options.merge_distance = 0.0;
+    options.remove_after_visits = 0;
+    return options;
+  }
 };
 
 }  // namespace kinect_ekf_slam
