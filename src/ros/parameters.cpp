@@ -213,7 +213,8 @@ void visit(Visitor& v, AssociationOptions& o) {
            "of a detection's radius; 0: radii are not compared");
   v.number("association/descriptor_sigma", &o.descriptor_sigma, 0.0, kInfinity, "-",
            "length of the difference of two descriptors of one landmark; 0: they are not compared");
-  if (o.new_landmark_probability < o.gate_probability) {
+  if (o.type != AssociationOptions::Type::kMultiHypothesis &&
+      o.new_landmark_probability < o.gate_probability) {
     throw ParameterError("association/new_landmark_probability: " + text_of(o.new_landmark_probability) +
                          " given, allowed: at least association/gate_probability, " +
                          text_of(o.gate_probability));
@@ -234,7 +235,7 @@ void visit(Visitor& v, LifeCycleOptions& o) {
   v.integer("map/remove_after_visits", &o.remove_after_visits, 0, 1000, "visits",
             "a landmark that so many visits in a row should have shown and did not is taken off; 0: never");
   v.number("map/field_of_view_deg", &o.field_of_view_deg, 1.0, 360.0, "deg",
-               "of the sensor about the robot's forward axis, for that");
+           "of the sensor about the robot's forward axis, for that");
   v.number("map/view_range", &o.view_range, 0.0, kInfinity, "m", "likewise, how far it sees");
 }
 
