@@ -212,12 +212,6 @@ bool KalmanSlam<Space>::set_confirmed(int id, bool confirmed) {
 }
 
 template <class Space>
-const LandmarkInfo* KalmanSlam<Space>::find(int id) {
-  const int index = index_of(id);
-  return index < 0 ? nullptr : &state_.info(index);
-}
-
-template <class Space>
 bool KalmanSlam<Space>::remove(int id) {
   const int index = index_of(id);
   if (index >= 0) remove_landmark(index);

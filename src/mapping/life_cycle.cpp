@@ -14,11 +14,12 @@ namespace {
 constexpr TimeNs kMergeInterval = 1000000000;
 constexpr double kTogether =
     0.02;  // share of the rarer one's sightings in which duplicates may appear as two
-constexpr double kVisitsApart = 5.0;    // s; looks in vain farther apart belong to different visits
-constexpr int kLooksOfVisit = 3;        // fewer say nothing: one look is missed easily
-constexpr int kSightingsPerVisit = 10;  // support that outweighs one visit in vain
-constexpr double kWellInside = 0.85;    // share of the view in which a landmark must be seen, if it is there
-constexpr double kBodyWidth = 0.3;      // m; what stands nearer in the same direction hides what is behind
+constexpr double kLeastDetectionRate = 0.25;  // of what is there, in the looks that should show it
+constexpr double kVisitsApart = 5.0;          // s; looks in vain farther apart belong to different visits
+constexpr int kLooksOfVisit = 3;              // fewer say nothing: one look is missed easily
+constexpr int kSightingsPerVisit = 10;        // support that outweighs one visit in vain
+constexpr double kWellInside = 0.85;  // share of the view in which a landmark must be seen, if it is there
+constexpr double kBodyWidth = 0.3;    // m; what stands nearer in the same direction hides what is behind
 
 }  // namespace
 
@@ -62,17 +63,32 @@ void LifeCycle<Space>::count_sightings(TimeNs stamp, KalmanSlam<Space>* filter, 
     ++record->second.sightings;
     record->second.misses_of_visit = 0;
     record->second.visits_in_vain = 0;
-    if (filter->find(id)->confirmed || !is_confirmed(record->second, pose)) continue;
+    if (record->second.confirmed || !deserves_belief(record->second, pose)) continue;
+    record->second.confirmed = true;
     filter->set_confirmed(id, true);
     report->confirmed.push_back(id);
   }
 }
 
 template <class Space>
-bool LifeCycle<Space>::is_confirmed(const Record& record, const typename Space::Pose& map_from_base) const {
+bool LifeCycle<Space>::deserves_belief(const Record& record,
+                                       const typename Space::Pose& map_from_base) const {
   if (record.sightings < options_.confirm_sightings) return false;
+  if (record.sightings < kLeastDetectionRate * (record.sightings + record.misses)) return false;
   const typename Space::PoseVector motion = (record.first_seen_from.inverse() * map_from_base).log();
   return motion.norm() >= options_.confirm_motion || options_.confirm_sightings <= 1;
+}
+
+template <class Space>
+bool LifeCycle<Space>::is_in_view(const typename Space::Point& point_in_base) const {
+  const Eigen::Vector3d point = Space::to_3d(point_in_base);
+  const double range = point.norm();
+  const auto is_within = [](double angle, double view_deg) {
+    return std::abs(angle) < kWellInside * 0.5 * radians(view_deg);
+  };
+  return range > kBodyWidth && range < kWellInside * options_.view_range &&
+         is_within(std::atan2(point.y(), point.x()), options_.field_of_view_deg) &&
+         is_within(std::asin(point.z() / range), options_.vertical_field_of_view_deg);
 }
 
 /// A landmark well inside the view that nothing hides should have been seen.
@@ -84,24 +100,21 @@ void LifeCycle<Space>::count_misses(TimeNs stamp, const std::vector<Observation<
     if (assignment.landmark >= 0) seen.insert(assignment.landmark);
   }
   const auto expected = filter->expect(observations);
-  const double half_view = kWellInside * 0.5 * radians(options_.field_of_view_deg);
   for (int i = 0; i < expected.size(); ++i) {
     const auto record = records_.find(expected.info(i).id);
     if (record == records_.end() || seen.count(record->first) > 0) continue;
     const typename Space::Point point = expected.point_in_base(i);
-    const double range = point.norm();
-    const bool in_view = range < kWellInside * options_.view_range && range > kBodyWidth &&
-                         std::abs(std::atan2(point.y(), point.x())) < half_view;
-    if (!in_view) continue;
+    if (!is_in_view(point)) continue;
     const bool hidden = std::any_of(observations.begin(), observations.end(), [&](const auto& observation) {
       const typename Space::Point& other = observation.position_in_base;
-      const typename Space::Point across = other - other.dot(point) / (range * range) * point;
+      const typename Space::Point across = other - other.dot(point) / point.squaredNorm() * point;
       return other.dot(point) > 0.0 && across.norm() < kBodyWidth;
     });
     if (hidden) continue;
     Record& missed = record->second;
     if (to_seconds(stamp - missed.last_missed) > kVisitsApart) missed.misses_of_visit = 0;
     missed.last_missed = stamp;
+    ++missed.misses;
     if (++missed.misses_of_visit == kLooksOfVisit) ++missed.visits_in_vain;
   }
 }
@@ -110,18 +123,15 @@ template <class Space>
 void LifeCycle<Space>::remove_unlikely(TimeNs stamp, KalmanSlam<Space>* filter, UpdateReport* report) {
   std::vector<int> unlikely;
   for (const auto& [id, record] : records_) {
-    const LandmarkInfo* info = filter->find(id);
-    if (info == nullptr) continue;
     const bool never_confirmed =
-        !info->confirmed && to_seconds(stamp - record.last_seen) > options_.forget_after;
+        !record.confirmed && to_seconds(stamp - record.last_seen) > options_.forget_after;
     const int enough = std::min(options_.remove_after_visits, 1 + record.sightings / kSightingsPerVisit);
     const bool is_not_there = options_.remove_after_visits > 0 && record.visits_in_vain >= enough;
     if (never_confirmed || is_not_there) unlikely.push_back(id);
   }
   for (const int id : unlikely) {
-    filter->remove(id);
     records_.erase(id);
-    report->removed.push_back(id);
+    if (filter->remove(id)) report->removed.push_back(id);
   }
 }
 

@@ -21,7 +21,9 @@ std::unique_ptr<SlamEstimator<Space>> make_slam(const EstimatorOptions& options,
         "compressed_ekf and ukf only");
   }
   if (filter == nullptr) return make_estimator<Space>(options, association, initial);
-  ManagedMap<Space> managed(std::move(filter), life_cycle);
+  LifeCycleOptions keeping = life_cycle;
+  if (association.type == AssociationOptions::Type::kKnown) keeping.merge_distance = 0.0;  // they are two
+  ManagedMap<Space> managed(std::move(filter), keeping);
   if (is_multi) return std::make_unique<MultiHypothesis<Space>>(managed, association);
   return std::make_unique<ManagedMap<Space>>(std::move(managed));
 }

@@ -236,6 +236,8 @@ void visit(Visitor& v, LifeCycleOptions& o) {
             "a landmark that so many visits in a row should have shown and did not is taken off; 0: never");
   v.number("map/field_of_view_deg", &o.field_of_view_deg, 1.0, 360.0, "deg",
            "of the sensor about the robot's forward axis, for that");
+  v.number("map/vertical_field_of_view_deg", &o.vertical_field_of_view_deg, 1.0, 180.0, "deg",
+           "likewise, up and down; spatial only");
   v.number("map/view_range", &o.view_range, 0.0, kInfinity, "m", "likewise, how far it sees");
 }
 

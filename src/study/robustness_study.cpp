@@ -87,7 +87,7 @@ std::vector<Fault> common_faults() {
 PipelineOptions textbook(PipelineOptions options) {
   options.association.type = AssociationOptions::Type::kNearestNeighbor;
   options.estimator.robust_threshold = 0.0;
-  options.life_cycle = LifeCycleOptions::none();
+  options.life_cycle = LifeCycleOptions();
   return options;
 }
 

@@ -53,7 +53,6 @@ class KalmanSlam : public SlamEstimator<Space> {
   // What a map's keeper may do to landmarks, by their ids. False, and nothing changed: there is no such one.
   bool set_confirmed(int id, bool confirmed);
   bool remove(int id);
-  const LandmarkInfo* find(int id);  ///< null: there is none
   /// Two are one: their difference is zero, equation (10.1), and the second one goes. False, and nothing
   /// changed, when the difference's squared Mahalanobis distance is not below the gate.
   virtual bool merge(int kept_id, int dropped_id, double gate);

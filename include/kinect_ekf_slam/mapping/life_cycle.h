@@ -27,9 +27,11 @@ class LifeCycle {
  private:
   struct Record {
     typename Space::Pose first_seen_from;
+    bool confirmed = false;
     TimeNs last_seen = 0;
     int sightings = 0;
-    // Looks that should have shown it and did not, since it was last seen.
+    int misses = 0;  ///< looks that should have shown it and did not
+    // The same since it was last seen.
     TimeNs last_missed = 0;
     int misses_of_visit = 0;
     int visits_in_vain = 0;
@@ -40,7 +42,8 @@ class LifeCycle {
                     KalmanSlam<Space>* filter, const UpdateReport& report);
   void remove_unlikely(TimeNs stamp, KalmanSlam<Space>* filter, UpdateReport* report);
   void merge_duplicates(KalmanSlam<Space>* filter, UpdateReport* report);
-  bool is_confirmed(const Record& record, const typename Space::Pose& map_from_base) const;
+  bool is_in_view(const typename Space::Point& point_in_base) const;
+  bool deserves_belief(const Record& record, const typename Space::Pose& map_from_base) const;
 
   LifeCycleOptions options_;
   double merge_gate_;
