@@ -106,6 +106,7 @@ def convert(folder, bag_path):
             (measurements[:, 1] > 0.0) & (measurements[:, 3] >= 0.0), "range or diameter is negative")
     for name, table in (("inputs.dat", inputs), ("measurements.dat", measurements), ("gps.dat", gps)):
         require(os.path.join(folder, name), table, table[:, 0] >= 0.0, "the time is negative")
+        table[:, 0] += 1.0  # s: a bag has no place for what happens at time zero
 
     rows = len(inputs)
     inputs = keep_last_of_repeated_stamps(inputs)

@@ -219,6 +219,11 @@ void visit(Visitor& v, AssociationOptions& o) {
                          " given, allowed: at least association/gate_probability, " +
                          text_of(o.gate_probability));
   }
+  if (o.type == AssociationOptions::Type::kMultiHypothesis && o.new_landmark_density <= o.clutter_density) {
+    throw ParameterError("association/new_landmark_density: " + text_of(o.new_landmark_density) +
+                         " given, allowed: more than association/clutter_density, " +
+                         text_of(o.clutter_density) + ", or nothing is ever new");
+  }
 }
 
 void visit(Visitor& v, LifeCycleOptions& o) {
