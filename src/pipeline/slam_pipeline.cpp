@@ -270,8 +270,9 @@ class SpacePipeline : public SlamPipeline {
       return report;
     }
     report = estimator_->observe(motion_.now(), observations);
+    relocalizer_.judge(report);
     const bool may_search = mode_ == Mode::kLocalization && relocalize_when_lost_;
-    if (may_search && relocalizer_.is_lost(report) && !estimator_->landmarks().empty()) relocalize();
+    if (may_search && relocalizer_.is_lost() && !estimator_->landmarks().empty()) relocalize();
     return report;
   }
 

@@ -20,6 +20,8 @@ const char* to_string(Localization localization) {
       return "tracking";
     case Localization::kSearching:
       return "searching";
+    case Localization::kLost:
+      return "lost";
     case Localization::kFound:
       return "found";
   }
@@ -114,6 +116,10 @@ void Health::report_estimate(diagnostic_updater::DiagnosticStatusWrapper& status
     status.summary(DiagnosticStatus::WARN, "the position is uncertain");
   if (localization_ == Localization::kSearching)
     status.summary(DiagnosticStatus::WARN, "searching for the robot in the map: its pose is unknown");
+  if (localization_ == Localization::kLost) {
+    status.summary(DiagnosticStatus::ERROR,
+                   "lost: most of what is seen fits nothing in the map; tell it by initialpose where it is");
+  }
   if (!finite_)
     status.summary(DiagnosticStatus::ERROR, "the estimate is not finite; output stopped; call ~reset");
   status.add("mode", mode_);

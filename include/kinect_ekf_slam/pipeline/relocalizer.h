@@ -14,17 +14,19 @@ namespace kinect_ekf_slam {
 template <class Space>
 class Relocalizer {
  public:
-  Localization state() const { return state_; }
+  Localization state() const { return lost_ ? Localization::kLost : state_; }
   bool is_searching() const { return search_ != nullptr; }
 
   void start(const LocalizationOptions& options, std::vector<LandmarkEstimate<Space>> map) {
     search_ = std::make_unique<ParticleLocalization<Space>>(options, std::move(map));
     state_ = Localization::kSearching;
+    lost_ = false;
   }
   void stop() {
     search_.reset();
     state_ = Localization::kTracking;
     fit_ = 1.0;
+    lost_ = false;
   }
 
   void predict(const MotionStep<Space>& step) {
@@ -40,20 +42,25 @@ class Relocalizer {
     return found;
   }
 
-  /// True when most of the last sightings fit no landmark of the map.
-  bool is_lost(const UpdateReport& report) {
+  /// Whether what is seen fits the map. A landmark that is new fits neither well nor badly.
+  void judge(const UpdateReport& report) {
     constexpr double kMemory = 20.0;     // sightings
     constexpr double kFewestFits = 0.3;  // share; clutter alone leaves more
+    constexpr double kEnoughFits = 0.6;
     for (const Assignment& assignment : report.assignments) {
+      if (assignment.verdict == Verdict::kCreated) continue;
       fit_ += ((assignment.verdict == Verdict::kMatched ? 1.0 : 0.0) - fit_) / kMemory;
     }
-    return fit_ < kFewestFits;
+    lost_ = fit_ < (lost_ ? kEnoughFits : kFewestFits);
   }
+  /// True when most of the last sightings fit no landmark of the map.
+  bool is_lost() const { return lost_; }
 
  private:
   std::unique_ptr<ParticleLocalization<Space>> search_;
   Localization state_ = Localization::kTracking;
   double fit_ = 1.0;  ///< running share of the sightings that fit
+  bool lost_ = false;
 };
 
 }  // namespace kinect_ekf_slam

@@ -42,11 +42,12 @@ struct RevisedOutcome {
   double nis = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Whether it is known where the robot is in a map that is not changed.
+/// Whether it is known where the robot is in the map.
 enum class Localization {
   kTracking,   ///< the pose is followed
   kSearching,  ///< unknown: the pose that is told means nothing, and its covariance says so
   kFound,      ///< followed again, after a search
+  kLost,       ///< most of what is seen fits no landmark: the pose that is told is not to be trusted
 };
 
 /// What the pipeline made of one frame.
