@@ -1,7 +1,6 @@
 #include "kinect_ekf_slam/ros/landmark_detector_node.h"
 
 #include <cv_bridge/cv_bridge.h>
-#include <image_geometry/pinhole_camera_model.h>
 #include <tf2/exceptions.h>
 
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "kinect_ekf_slam/ros/conversions.h"
 #include "kinect_ekf_slam/ros/detector_messages.h"
 #include "kinect_ekf_slam/ros/names.h"
+#include "kinect_ekf_slam/ros/picture_messages.h"
 
 namespace kinect_ekf_slam {
 namespace {
@@ -28,32 +28,6 @@ void for_each_live(Options& options, Config& config, const Pair& pair) {
   pair(options.laser_cylinder.range_sigma, config.laser_cylinder_range_sigma);
   pair(options.laser_cylinder.max_misfit, config.laser_cylinder_max_misfit);
   pair(options.fiducial.corner_sigma, config.aruco_corner_sigma);
-}
-
-PinholeCamera camera_of(const sensor_msgs::CameraInfo& info, const cv::Mat& image) {
-  if (static_cast<int>(info.width) != image.cols || static_cast<int>(info.height) != image.rows) {
-    throw PictureError("camera_info is for " + std::to_string(info.width) + " x " +
-                       std::to_string(info.height) + " pixels, the picture has " +
-                       std::to_string(image.cols) + " x " + std::to_string(image.rows));
-  }
-  image_geometry::PinholeCameraModel model;
-  model.fromCameraInfo(info);
-  return {model.fx(), model.fy(), model.cx(), model.cy()};
-}
-
-/// cv_bridge checks step and size of the data.
-cv::Mat colour_of(const sensor_msgs::ImageConstPtr& message) {
-  return cv_bridge::toCvShare(message, sensor_msgs::image_encodings::BGR8)->image;
-}
-
-cv::Mat depth_of(const sensor_msgs::ImageConstPtr& message) {
-  namespace encodings = sensor_msgs::image_encodings;
-  const bool is_depth = message->encoding == encodings::TYPE_16UC1 ||
-                        message->encoding == encodings::MONO16 || message->encoding == encodings::TYPE_32FC1;
-  if (!is_depth) {
-    throw PictureError("depth has the encoding '" + message->encoding + "', allowed: 16UC1 (mm), 32FC1 (m)");
-  }
-  return cv_bridge::toCvShare(message)->image;
 }
 
 }  // namespace
@@ -138,14 +112,7 @@ void LandmarkDetectorNode::on_depth_picture(const sensor_msgs::ImageConstPtr& co
                                             const sensor_msgs::ImageConstPtr& depth,
                                             const sensor_msgs::CameraInfoConstPtr& info) {
   process(colour->header, [&] {
-    if (depth->header.frame_id != colour->header.frame_id) {
-      throw PictureError("depth is in frame '" + depth->header.frame_id + "', colour in '" +
-                         colour->header.frame_id + "': registered depth is needed");
-    }
-    RgbdPicture picture;
-    picture.colour = colour_of(colour);
-    picture.depth = depth_of(depth);
-    picture.camera = camera_of(*info, picture.colour);
+    const RgbdPicture picture = to_picture(colour, depth, *info);
     const KinectCylinderDetector detector(options_.kinect_cylinder, palette_);
     Findings findings = detector.detect(picture, up_in(colour->header));
     publish_debug(colour->header, picture.colour, findings);
@@ -156,9 +123,7 @@ void LandmarkDetectorNode::on_depth_picture(const sensor_msgs::ImageConstPtr& co
 void LandmarkDetectorNode::on_colour_picture(const sensor_msgs::ImageConstPtr& colour,
                                              const sensor_msgs::CameraInfoConstPtr& info) {
   process(colour->header, [&] {
-    RgbdPicture picture;
-    picture.colour = colour_of(colour);
-    picture.camera = camera_of(*info, picture.colour);
+    const RgbdPicture picture = to_picture(colour, *info);
     Findings findings = fiducials_->detect(picture);
     publish_debug(colour->header, picture.colour, findings);
     return findings;

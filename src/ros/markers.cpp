@@ -114,7 +114,7 @@ Marker MarkerPainter::marker(const std::string& space, int id, int type) const {
   return marker;
 }
 
-MarkerArray MarkerPainter::paint(const Scene& scene) {
+MarkerArray MarkerPainter::paint(const MarkerScene& scene) {
   stamp_ = to_ros(scene.pose.stamp);
   MarkerArray array;
   paint_landmarks(scene, &array);
@@ -164,7 +164,7 @@ Marker MarkerPainter::body_of(const Landmark3d& landmark) const {
   return body;
 }
 
-void MarkerPainter::paint_landmarks(const Scene& scene, MarkerArray* array) {
+void MarkerPainter::paint_landmarks(const MarkerScene& scene, MarkerArray* array) {
   std::set<int> gone;
   gone.swap(shown_);
   for (const Landmark3d& landmark : scene.map) {
@@ -196,7 +196,7 @@ void MarkerPainter::paint_landmarks(const Scene& scene, MarkerArray* array) {
   }
 }
 
-void MarkerPainter::paint_robot(const Scene& scene, MarkerArray* array) const {
+void MarkerPainter::paint_robot(const MarkerScene& scene, MarkerArray* array) const {
   Marker position = spread("robot_position", 0, scene.pose.map_from_base.translation(),
                            scene.pose.covariance.topLeftCorner<3, 3>());
   if (is_planar()) position.pose.position.z += 4.0 * kFlat;
@@ -237,7 +237,7 @@ void MarkerPainter::paint_robot(const Scene& scene, MarkerArray* array) const {
   array->markers.push_back(body);
 }
 
-void MarkerPainter::paint_associations(const Scene& scene, MarkerArray* array) const {
+void MarkerPainter::paint_associations(const MarkerScene& scene, MarkerArray* array) const {
   Marker lines = marker("associations", 0, Marker::LINE_LIST);
   lines.scale.x = kThin;
   lines.color.a = 1.0F;

@@ -20,7 +20,7 @@ WORLD = os.path.join(ROOT, "config", "worlds", "room_hard.yaml")
 # What is to be given, and every branch taken once.
 VARIANTS = {
     "replay.launch": [{"bag": BAG}, {"bag": BAG, "rviz": "true", "loop": "true", "rate": "2.5", "exit": "true"}],
-    "simulation.launch": [{}, {"rviz": "true", "drive": "cmd_vel", "world": WORLD}],
+    "simulation.launch": [{}, {"rviz": "true", "drive": "cmd_vel", "world": WORLD}, {"pictures": "true"}],
     "slam.launch": [{}, {"rviz": "true", "mode": "localization", "map_dir": "/tmp/maps", "map_file": "a.yaml",
                          "load_map": "true", "save_map": "true",
                          "config": os.path.join(ROOT, "config", "turtlebot3.yaml")}],

@@ -110,7 +110,7 @@ TEST(MarkerPainter, DrawsEllipsesAtTheSigmasAskedFor) {
 
 TEST(MarkerPainter, DrawsEllipsoidsInSpace) {
   const Eigen::Quaterniond rotation = rotation_exp({0.4, -0.3, 0.8});
-  Scene scene{{landmark(1, "red")}, {}, {}, {}, {}};
+  MarkerScene scene{{landmark(1, "red")}, {}, {}, {}, {}};
   scene.map[0].position_in_map = {1.0, 2.0, 3.0};
   scene.map[0].radius = 0.1;
   scene.map[0].covariance = scene.pose.covariance.topLeftCorner<3, 3>() = turned({0.1, 0.2, 0.3}, rotation);
@@ -138,7 +138,7 @@ TEST(MarkerPainter, NeverDrawsAnUnknownCovarianceAsZero) {
         Eigen::Matrix3d(-Eigen::Matrix3d::Identity())}) {
     for (const SpaceType space : {SpaceType::kPlanar, SpaceType::kSpatial}) {
       MarkerPainter painter("map", 3.0, space);
-      Scene scene{{landmark(1)}, {}, {}, {}, {}};
+      MarkerScene scene{{landmark(1)}, {}, {}, {}, {}};
       scene.map[0].covariance = unknown;
       scene.pose.covariance.topLeftCorner<3, 3>() = unknown;
       scene.pose.covariance(5, 5) = kNan;
@@ -174,7 +174,7 @@ TEST(MarkerPainter, ClearsAll) {
 
 TEST(MarkerPainter, HeadingWedgeIsAsWideAsTheHeadingIsUnsure) {
   MarkerPainter painter("map", 3.0);
-  Scene scene;
+  MarkerScene scene;
   scene.pose.covariance(5, 5) = 0.1 * 0.1;
   const MarkerArray array = painter.paint(scene);
   const Marker* wedge = find(array, "robot_heading");
@@ -185,7 +185,7 @@ TEST(MarkerPainter, HeadingWedgeIsAsWideAsTheHeadingIsUnsure) {
 
 TEST(MarkerPainter, DrawsALineToWhatWasJustAssociated) {
   MarkerPainter painter("map", 3.0);
-  Scene scene{{landmark(1)}, {}, {DetectionOutcome(), DetectionOutcome(), DetectionOutcome()}, {}, {}};
+  MarkerScene scene{{landmark(1)}, {}, {DetectionOutcome(), DetectionOutcome(), DetectionOutcome()}, {}, {}};
   scene.outcomes[0].verdict = Verdict::kMatched;
   scene.outcomes[0].landmark_id = 1;
   scene.outcomes[1].verdict = Verdict::kOutsideGate;
