@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "kinect_ekf_slam/core/atomic_file.h"
+#include "kinect_ekf_slam/perception/kinect_cylinder.h"
 #include "kinect_ekf_slam/ros/command_line.h"
 #include "kinect_ekf_slam/ros/parameters.h"
 #include "kinect_ekf_slam/simulation/world.h"
@@ -17,6 +18,7 @@ constexpr const char* kUsage =
     "usage: slam_study room [--world FILE.yaml] [--seeds N] [--config FILE.yaml] [--set group/key=value "
     "...]\n"
     "                       [--json FILE]\n"
+    "       slam_study chain [as room] [--palette FILE.yaml] [--picture-rate HZ]\n"
     "       slam_study kidnapped [--world FILE.yaml] [--seeds N] [--config FILE.yaml] [--set group/key=value "
     "...]\n"
     "       slam_study consistency [--space planar|spatial] [--sensor kinect|far] [--seeds N] [--loops N]\n"
@@ -28,13 +30,17 @@ constexpr const char* kUsage =
     "  --world FILE.yaml       default: config/worlds/room.yaml\n"
     "  --config FILE.yaml      parameters that differ from config/slam.yaml; may be given more than once\n"
     "  --set group/key=value   one parameter, over all files\n"
+    "chain: the same with rendered pictures and the detector of cylinders in the place of simulated "
+    "sightings.\n"
+    "  --palette FILE.yaml     names of the colours; default: config/palette.yaml\n"
+    "  --picture-rate HZ       default: the world's camera/rate, or 5\n"
     "consistency: many loops with exactly the noise that the filters assume: do their covariances tell the "
     "truth?\n"
     "  --space                 default: planar\n"
     "  --sensor                kinect: 0.6 to 2.6 m, far: up to 5 m, both 57 degrees wide; default: kinect\n"
     "  --loops N               default: 10\n"
     "All:\n"
-    "  --seeds N               seeds 1 to N; default: 100, consistency: 50\n"
+    "  --seeds N               seeds 1 to N; default: 100, chain: 20, consistency: 50\n"
     "  --json FILE             write the figures, also those of each seed or time, there; not of kidnapped\n"
     "Exit: 0 done, 2 the input cannot be used (one line says why).\n";
 
@@ -66,16 +72,23 @@ void write(const std::string& path, const std::string& json) {
 struct RoomRequest {
   kinect_ekf_slam::RoomStudy study;
   std::string json;
+  std::string palette = "config/palette.yaml";
+  double picture_rate = 0.0;  ///< Hz; 0: the world's
 };
 
-RoomRequest parse_room(CommandLine* words) {
+RoomRequest parse_room(CommandLine* words, bool is_chain = false) {
   RoomRequest request;
   std::string world = "config/worlds/room.yaml";
   std::vector<std::string> configs;
   std::vector<std::string> settings;
+  request.study.seeds = is_chain ? 20 : 100;
   while (words->next()) {
     const std::string& word = words->word();
-    if (word == "--world") {
+    if (is_chain && word == "--palette") {
+      request.palette = words->value();
+    } else if (is_chain && word == "--picture-rate") {
+      request.picture_rate = words->number(0.1, 1000.0, "Hz, from 0.1 to 1000");
+    } else if (word == "--world") {
       world = words->value();
     } else if (word == "--seeds") {
       request.study.seeds = seed_count(words);
@@ -100,13 +113,28 @@ RoomRequest parse_room(CommandLine* words) {
   return request;
 }
 
-void study_room(CommandLine* words) {
-  const RoomRequest request = parse_room(words);
+void study_room(const RoomRequest& request) {
   const std::vector<kinect_ekf_slam::RoomRun> runs = kinect_ekf_slam::run_study(request.study);
   const kinect_ekf_slam::RoomSummary summary = kinect_ekf_slam::summarize(runs);
   kinect_ekf_slam::clear_progress_bar();
   std::fputs(kinect_ekf_slam::to_table(summary).c_str(), stdout);
   write(request.json, kinect_ekf_slam::to_json(summary, runs));
+}
+
+/// From pictures to the map.
+void study_chain(CommandLine* words) {
+  RoomRequest request = parse_room(words, true);
+  constexpr double kUsualRate = 5.0;  // Hz
+  double& rate = request.study.world.pictures.rate;
+  if (request.picture_rate > 0.0) rate = request.picture_rate;
+  if (rate == 0.0) rate = kUsualRate;
+  const kinect_ekf_slam::KinectCylinderDetector detector({}, kinect_ekf_slam::read_palette(request.palette));
+  request.study.make_detector = [&detector] {
+    return [&detector](const kinect_ekf_slam::RgbdPicture& picture, const Eigen::Vector3d& up_in_optical) {
+      return detector.detect(picture, up_in_optical);
+    };
+  };
+  study_room(request);
 }
 
 void study_kidnapped(CommandLine* words) {
@@ -169,13 +197,15 @@ int main(int argc, char** argv) {
   try {
     const std::string study = words.next() ? words.word() : "";
     if (study == "room") {
-      study_room(&words);
+      study_room(parse_room(&words));
+    } else if (study == "chain") {
+      study_chain(&words);
     } else if (study == "consistency") {
       study_consistency(&words);
     } else if (study == "kidnapped") {
       study_kidnapped(&words);
     } else {
-      words.fail("'" + study + "' given, allowed: room, kidnapped, consistency; see --help");
+      words.fail("'" + study + "' given, allowed: room, chain, kidnapped, consistency; see --help");
     }
   } catch (const std::exception& error) {
     words.fail(error.what());

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "kinect_ekf_slam/pipeline/slam_pipeline.h"
 #include "kinect_ekf_slam/study/monte_carlo.h"
+#include "kinect_ekf_slam/study/simulated_picture.h"
 #include "kinect_ekf_slam/study/text.h"
 
 namespace kinect_ekf_slam {
@@ -32,9 +34,46 @@ MapComparison compare(const World& world, const std::vector<Landmark3d>& map) {
   return compare_maps<Space>(truth, estimate);
 }
 
+int count_wrong_labels(const World& world, const std::vector<Landmark3d>& map,
+                       const MapComparison& comparison) {
+  const auto& pairs = comparison.pairs;
+  return static_cast<int>(std::count_if(pairs.begin(), pairs.end(), [&](const auto& pair) {
+    return world.landmarks[pair.first].label != map[pair.second].label;
+  }));
+}
+
+/// What the robot sees: the simulated sightings, or what a detector finds in pictures.
+class Eyes {
+ public:
+  Eyes(const RoomStudy& study, std::uint64_t seed) : world_(study.world) {
+    if (!study.make_detector) return;
+    detector_ = study.make_detector();
+    camera_.emplace(study.world, seed);
+  }
+
+  SensorFrame look(const Sample& sample) {
+    SensorFrame frame = to_sensor_frame(sample, world_);
+    if (!detector_) return frame;
+    frame.detections.reset();
+    if (sample.takes_picture) {
+      const Eigen::Isometry3d& base_from_optical = world_.sensor.base_from_optical;
+      const Eigen::Vector3d up_in_optical = base_from_optical.linear().row(2);
+      const Findings findings = detector_(camera_->take(sample.world_from_base), up_in_optical);
+      frame.detections = to_detections(findings, base_from_optical);
+    }
+    return frame;
+  }
+
+ private:
+  const World& world_;
+  PictureDetector detector_;
+  std::optional<SimulatedCamera> camera_;
+};
+
 template <class Space>
 RoomRun run_room(const RoomStudy& study, std::uint64_t seed) {
   Simulator simulator(study.world, seed);
+  Eyes eyes(study, seed);
   const auto pipeline = make_pipeline(study.pipeline);
   const Eigen::Isometry3d start_from_world = study.world.drive.world_from_start.to_3d().inverse();
   RoomRun run;
@@ -43,7 +82,7 @@ RoomRun run_room(const RoomStudy& study, std::uint64_t seed) {
   double squared_errors = 0.0;
   while (!simulator.finished()) {
     const Sample sample = simulator.next();
-    const SlamResult result = pipeline->process(to_sensor_frame(sample, study.world));
+    const SlamResult result = pipeline->process(eyes.look(sample));
     run.seconds = to_seconds(sample.stamp);
     if (!result.looked || run.seconds <= study.world.drive.standing_time) continue;
     const typename Space::Pose truth = Space::pose_from_3d(start_from_world * sample.world_from_base);
@@ -55,7 +94,9 @@ RoomRun run_room(const RoomStudy& study, std::uint64_t seed) {
   const auto count = static_cast<double>(run.nees.size());
   run.path_rmse = std::sqrt(squared_errors / count);
   run.nees_mean /= count;
-  run.map = compare<Space>(study.world, pipeline->map());
+  const std::vector<Landmark3d> map = pipeline->map();
+  run.map = compare<Space>(study.world, map);
+  run.wrong_labels = count_wrong_labels(study.world, map, run.map);
   return run;
 }
 
@@ -97,6 +138,22 @@ SensorFrame to_sensor_frame(const Sample& sample, const World& world) {
   return frame;
 }
 
+std::vector<Detection> to_detections(const Findings& findings, const Eigen::Isometry3d& base_from_optical) {
+  std::vector<Detection> detections;
+  const Eigen::Matrix3d rotation = base_from_optical.linear();
+  for (const Finding& finding : findings.found) {
+    Detection detection;
+    detection.position_in_optical = finding.position;
+    detection.base_from_optical = rotation;
+    detection.position_in_base = base_from_optical * finding.position;
+    detection.covariance_in_base = rotation * finding.covariance * rotation.transpose();
+    detection.signature = finding.signature;
+    detection.score = finding.score;
+    detections.push_back(std::move(detection));
+  }
+  return detections;
+}
+
 std::vector<RoomRun> run_study(const RoomStudy& study) {
   const bool spatial = study.pipeline.space == SpaceType::kSpatial;
   const auto run = spatial ? run_room<Spatial> : run_room<Planar>;
@@ -118,6 +175,7 @@ RoomSummary summarize(const std::vector<RoomRun>& runs) {
   summary.exact_count_share = static_cast<double>(exact) / count;
   summary.missed = spread(runs, [](const RoomRun& run) { return run.map.missed(); });
   summary.spurious = spread(runs, [](const RoomRun& run) { return run.map.spurious(); });
+  summary.wrong_labels = spread(runs, [](const RoomRun& run) { return run.wrong_labels; });
   summary.landmark_rmse_aligned = spread(runs, [](const RoomRun& run) { return run.map.rmse_aligned; });
   summary.landmark_rmse_start = spread(runs, [](const RoomRun& run) { return run.map.rmse; });
   summary.path_rmse = spread(runs, [](const RoomRun& run) { return run.path_rmse; });
@@ -142,7 +200,7 @@ std::string to_table(const RoomSummary& s) {
          row("landmark RMSE, aligned (m)", s.landmark_rmse_aligned, 4) +
          row("landmark RMSE, in the start frame (m)", s.landmark_rmse_start, 4) +
          row("path RMSE, in the start frame (m)", s.path_rmse, 4) + row("landmarks missed", s.missed, 2) +
-         row("landmarks too many", s.spurious, 2) +
+         row("landmarks too many", s.spurious, 2) + row("labels wrong", s.wrong_labels, 2) +
          row(format("pose NEES (%d when consistent)", s.pose_dof).c_str(), s.nees, 2) +
          format("all %zu landmarks and no other: %.0f %% of the runs\n", s.true_landmarks,
                 100.0 * s.exact_count_share) +
@@ -157,6 +215,7 @@ std::string to_json(const RoomSummary& s, const std::vector<RoomRun>& runs) {
       ",\n  \"true_landmarks\": " + std::to_string(s.true_landmarks) +
       ",\n  \"exact_count_share\": " + number(s.exact_count_share) +
       ",\n  \"landmarks_missed\": " + json(s.missed) + ",\n  \"landmarks_spurious\": " + json(s.spurious) +
+      ",\n  \"wrong_labels\": " + json(s.wrong_labels) +
       ",\n  \"landmark_rmse_m\": " + json(s.landmark_rmse_aligned) +
       ",\n  \"landmark_rmse_start_m\": " + json(s.landmark_rmse_start) +
       ",\n  \"ate_rmse_start_m\": " + json(s.path_rmse) + ",\n  \"pose_nees\": " + json(s.nees) +
@@ -169,6 +228,7 @@ std::string to_json(const RoomSummary& s, const std::vector<RoomRun>& runs) {
             ", \"landmarks\": " + std::to_string(run.map.estimated_landmarks) +
             ", \"missed\": " + std::to_string(run.map.missed()) +
             ", \"spurious\": " + std::to_string(run.map.spurious()) +
+            ", \"wrong_labels\": " + std::to_string(run.wrong_labels) +
             ", \"landmark_rmse_m\": " + number(run.map.rmse_aligned) +
             ", \"landmark_max_m\": " + number(run.map.max_aligned) +
             ", \"landmark_rmse_start_m\": " + number(run.map.rmse) +
