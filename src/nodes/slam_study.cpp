@@ -1,12 +1,14 @@
 #include <cstdio>
 #include <exception>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "kinect_ekf_slam/core/atomic_file.h"
-#include "kinect_ekf_slam/perception/kinect_cylinder.h"
 #include "kinect_ekf_slam/ros/command_line.h"
+#include "kinect_ekf_slam/ros/detector_options.h"
 #include "kinect_ekf_slam/ros/parameters.h"
+#include "kinect_ekf_slam/ros/picture_detector.h"
 #include "kinect_ekf_slam/simulation/world.h"
 #include "kinect_ekf_slam/study/consistency_study.h"
 #include "kinect_ekf_slam/study/kidnapped_study.h"
@@ -18,7 +20,7 @@ constexpr const char* kUsage =
     "usage: slam_study room [--world FILE.yaml] [--seeds N] [--config FILE.yaml] [--set group/key=value "
     "...]\n"
     "                       [--json FILE]\n"
-    "       slam_study chain [as room] [--palette FILE.yaml] [--picture-rate HZ]\n"
+    "       slam_study chain [as room] [--detect group/key=value ...] [--picture-rate HZ]\n"
     "       slam_study kidnapped [--world FILE.yaml] [--seeds N] [--config FILE.yaml] [--set group/key=value "
     "...]\n"
     "       slam_study consistency [--space planar|spatial] [--sensor kinect|far] [--seeds N] [--loops N]\n"
@@ -30,9 +32,11 @@ constexpr const char* kUsage =
     "  --world FILE.yaml       default: config/worlds/room.yaml\n"
     "  --config FILE.yaml      parameters that differ from config/slam.yaml; may be given more than once\n"
     "  --set group/key=value   one parameter, over all files\n"
-    "chain: the same with rendered pictures and the detector of cylinders in the place of simulated "
-    "sightings.\n"
-    "  --palette FILE.yaml     names of the colours; default: config/palette.yaml\n"
+    "chain: the same, but what is seen is what a detector finds in rendered pictures\n"
+    "  --detect group/key=value  of landmark_detector_node, for example detector/type=features; default: "
+    "those "
+    "of\n"
+    "                          config/detector.yaml and the labels of config/palette.yaml\n"
     "  --picture-rate HZ       default: the world's camera/rate, or 5\n"
     "consistency: many loops with exactly the noise that the filters assume: do their covariances tell the "
     "truth?\n"
@@ -72,8 +76,8 @@ void write(const std::string& path, const std::string& json) {
 struct RoomRequest {
   kinect_ekf_slam::RoomStudy study;
   std::string json;
-  std::string palette = "config/palette.yaml";
-  double picture_rate = 0.0;  ///< Hz; 0: the world's
+  std::vector<std::string> detect;  ///< assignments to the detector's parameters
+  double picture_rate = 0.0;        ///< Hz; 0: the world's
 };
 
 RoomRequest parse_room(CommandLine* words, bool is_chain = false) {
@@ -84,8 +88,9 @@ RoomRequest parse_room(CommandLine* words, bool is_chain = false) {
   request.study.seeds = is_chain ? 20 : 100;
   while (words->next()) {
     const std::string& word = words->word();
-    if (is_chain && word == "--palette") {
-      request.palette = words->value();
+    if (is_chain && word == "--detect") {
+      const std::vector<std::string> more = words->assignments();
+      request.detect.insert(request.detect.end(), more.begin(), more.end());
     } else if (is_chain && word == "--picture-rate") {
       request.picture_rate = words->number(0.1, 1000.0, "Hz, from 0.1 to 1000");
     } else if (word == "--world") {
@@ -121,6 +126,16 @@ void study_room(const RoomRequest& request) {
   write(request.json, kinect_ekf_slam::to_json(summary, runs));
 }
 
+kinect_ekf_slam::DetectorOptions detector_options(const std::vector<std::string>& assignments) {
+  YAML::Node yaml = YAML::LoadFile("config/detector.yaml");
+  for (const std::string& assignment : assignments) kinect_ekf_slam::set_parameter(assignment, &yaml);
+  std::vector<std::string> unread;
+  auto options = kinect_ekf_slam::read_detector_options(yaml, &unread);
+  for (const std::string& key : unread) throw kinect_ekf_slam::ParameterError(key + ": is not known");
+  if (options.palette.empty()) options.palette = "config/palette.yaml";
+  return options;
+}
+
 /// From pictures to the map.
 void study_chain(CommandLine* words) {
   RoomRequest request = parse_room(words, true);
@@ -128,10 +143,11 @@ void study_chain(CommandLine* words) {
   double& rate = request.study.world.pictures.rate;
   if (request.picture_rate > 0.0) rate = request.picture_rate;
   if (rate == 0.0) rate = kUsualRate;
-  const kinect_ekf_slam::KinectCylinderDetector detector({}, kinect_ekf_slam::read_palette(request.palette));
-  request.study.make_detector = [&detector] {
-    return [&detector](const kinect_ekf_slam::RgbdPicture& picture, const Eigen::Vector3d& up_in_optical) {
-      return detector.detect(picture, up_in_optical);
+  const kinect_ekf_slam::DetectorOptions options = detector_options(request.detect);
+  request.study.make_detector = [&options] {
+    const auto detector = std::make_shared<kinect_ekf_slam::PictureDetector>(options);
+    return [detector](const kinect_ekf_slam::RgbdPicture& picture, const Eigen::Vector3d& up_in_optical) {
+      return detector->detect(picture, up_in_optical);
     };
   };
   study_room(request);

@@ -28,6 +28,10 @@ void for_each_live(Options& options, Config& config, const Pair& pair) {
   pair(options.laser_cylinder.range_sigma, config.laser_cylinder_range_sigma);
   pair(options.laser_cylinder.max_misfit, config.laser_cylinder_max_misfit);
   pair(options.fiducial.corner_sigma, config.aruco_corner_sigma);
+  pair(options.features.matching.ratio, config.features_ratio);
+  pair(options.features.matching.epipolar_error, config.features_epipolar_error);
+  pair(options.features.two_views.reprojection_error, config.features_reprojection_error);
+  pair(options.features.two_views.pixel_sigma, config.features_pixel_sigma);
 }
 
 }  // namespace
@@ -42,21 +46,14 @@ LandmarkDetectorNode::LandmarkDetectorNode(const ros::NodeHandle& handle,
       options_(options),
       live_(ros::NodeHandle(private_handle, names::kLive)),
       diagnostics_(handle, private_handle) {
-  if (!options.palette.empty()) palette_ = read_palette(options.palette);
   landmarks_ = handle_.advertise<LandmarkDetectionArray>("landmarks", 10);
   debug_ = transport_.advertise("debug", 1);
-  switch (options.type) {
-    case DetectorType::kKinectCylinder:
-      connect_depth();
-      break;
-    case DetectorType::kAruco:
-      fiducials_.emplace(options.fiducial);
-      connect_colour();
-      break;
-    case DetectorType::kLaserCylinder:
-      scans_ = handle_.subscribe(options.scan_topic, static_cast<std::uint32_t>(options.queue_size),
-                                 &LandmarkDetectorNode::on_scan, this);
-      break;
+  if (options.type == DetectorType::kLaserCylinder) {
+    scans_ = handle_.subscribe(options.scan_topic, static_cast<std::uint32_t>(options.queue_size),
+                               &LandmarkDetectorNode::on_scan, this);
+  } else {
+    pictures_.emplace(options);
+    connect_pictures();
   }
   DetectorConfig config = DetectorConfig::__getDefault__();
   for_each_live(options_, config, [](const auto& option, auto& live) { live = option; });
@@ -69,27 +66,30 @@ LandmarkDetectorNode::LandmarkDetectorNode(const ros::NodeHandle& handle,
                                       [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
 }
 
-void LandmarkDetectorNode::connect_depth() {
+void LandmarkDetectorNode::connect_pictures() {
   const auto queue = static_cast<std::uint32_t>(options_.queue_size);
-  image_transport::ImageTransport transport(handle_);
-  colours_.subscribe(transport, options_.colour_topic, queue);
-  depths_.subscribe(transport, options_.depth_topic, queue);
-  infos_.subscribe(handle_, options_.info_topic, queue);
-  synchronizer_ =
-      std::make_unique<message_filters::Synchronizer<Policy>>(Policy(queue), colours_, depths_, infos_);
-  synchronizer_->setMaxIntervalDuration(ros::Duration(options_.max_interval));
-  synchronizer_->registerCallback(&LandmarkDetectorNode::on_depth_picture, this);
-}
-
-void LandmarkDetectorNode::connect_colour() {
-  const auto queue = static_cast<std::uint32_t>(options_.queue_size);
+  const ros::Duration interval(options_.max_interval);
   image_transport::ImageTransport transport(handle_);
   colours_.subscribe(transport, options_.colour_topic, queue);
   infos_.subscribe(handle_, options_.info_topic, queue);
-  colour_synchronizer_ =
-      std::make_unique<message_filters::Synchronizer<ColourPolicy>>(ColourPolicy(queue), colours_, infos_);
-  colour_synchronizer_->setMaxIntervalDuration(ros::Duration(options_.max_interval));
-  colour_synchronizer_->registerCallback(&LandmarkDetectorNode::on_colour_picture, this);
+  if (options_.type == DetectorType::kAruco) {
+    colour_synchronizer_ =
+        std::make_unique<message_filters::Synchronizer<ColourPolicy>>(ColourPolicy(queue), colours_, infos_);
+    colour_synchronizer_->setMaxIntervalDuration(interval);
+    colour_synchronizer_->registerCallback(&LandmarkDetectorNode::on_colour_picture, this);
+  } else if (options_.depth_source == DepthSource::kDisparity) {
+    disparities_.subscribe(handle_, options_.disparity_topic, queue);
+    stereo_synchronizer_ = std::make_unique<message_filters::Synchronizer<StereoPolicy>>(
+        StereoPolicy(queue), colours_, disparities_, infos_);
+    stereo_synchronizer_->setMaxIntervalDuration(interval);
+    stereo_synchronizer_->registerCallback(&LandmarkDetectorNode::on_stereo_picture, this);
+  } else {
+    depths_.subscribe(transport, options_.depth_topic, queue);
+    synchronizer_ =
+        std::make_unique<message_filters::Synchronizer<Policy>>(Policy(queue), colours_, depths_, infos_);
+    synchronizer_->setMaxIntervalDuration(interval);
+    synchronizer_->registerCallback(&LandmarkDetectorNode::on_depth_picture, this);
+  }
 }
 
 template <class Detect>
@@ -108,26 +108,27 @@ void LandmarkDetectorNode::process(const std_msgs::Header& header, const Detect&
   }
 }
 
+Findings LandmarkDetectorNode::look_at(const std_msgs::Header& header, const RgbdPicture& picture) {
+  Findings findings = pictures_->detect(picture, up_in(header));
+  publish_debug(header, picture.colour, findings);
+  return findings;
+}
+
 void LandmarkDetectorNode::on_depth_picture(const sensor_msgs::ImageConstPtr& colour,
                                             const sensor_msgs::ImageConstPtr& depth,
                                             const sensor_msgs::CameraInfoConstPtr& info) {
-  process(colour->header, [&] {
-    const RgbdPicture picture = to_picture(colour, depth, *info);
-    const KinectCylinderDetector detector(options_.kinect_cylinder, palette_);
-    Findings findings = detector.detect(picture, up_in(colour->header));
-    publish_debug(colour->header, picture.colour, findings);
-    return findings;
-  });
+  process(colour->header, [&] { return look_at(colour->header, to_picture(colour, depth, *info)); });
+}
+
+void LandmarkDetectorNode::on_stereo_picture(const sensor_msgs::ImageConstPtr& colour,
+                                             const stereo_msgs::DisparityImageConstPtr& disparity,
+                                             const sensor_msgs::CameraInfoConstPtr& info) {
+  process(colour->header, [&] { return look_at(colour->header, to_picture(colour, *disparity, *info)); });
 }
 
 void LandmarkDetectorNode::on_colour_picture(const sensor_msgs::ImageConstPtr& colour,
                                              const sensor_msgs::CameraInfoConstPtr& info) {
-  process(colour->header, [&] {
-    const RgbdPicture picture = to_picture(colour, *info);
-    Findings findings = fiducials_->detect(picture);
-    publish_debug(colour->header, picture.colour, findings);
-    return findings;
-  });
+  process(colour->header, [&] { return look_at(colour->header, to_picture(colour, *info)); });
 }
 
 void LandmarkDetectorNode::on_scan(const sensor_msgs::LaserScanConstPtr& scan) {
@@ -166,7 +167,7 @@ void LandmarkDetectorNode::on_live_change(const DetectorConfig& config) {
     return;
   }
   for_each_live(options_, config, [](auto& option, const auto& live) { option = live; });
-  if (fiducials_) fiducials_.emplace(options_.fiducial);
+  if (pictures_) pictures_->set_options(options_);
 }
 
 void LandmarkDetectorNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {

@@ -47,18 +47,18 @@ class Eyes {
  public:
   Eyes(const RoomStudy& study, std::uint64_t seed) : world_(study.world) {
     if (!study.make_detector) return;
-    detector_ = study.make_detector();
+    find_ = study.make_detector();
     camera_.emplace(study.world, seed);
   }
 
   SensorFrame look(const Sample& sample) {
     SensorFrame frame = to_sensor_frame(sample, world_);
-    if (!detector_) return frame;
+    if (!find_) return frame;
     frame.detections.reset();
     if (sample.takes_picture) {
       const Eigen::Isometry3d& base_from_optical = world_.sensor.base_from_optical;
       const Eigen::Vector3d up_in_optical = base_from_optical.linear().row(2);
-      const Findings findings = detector_(camera_->take(sample.world_from_base), up_in_optical);
+      const Findings findings = find_(camera_->take(sample.world_from_base), up_in_optical);
       frame.detections = to_detections(findings, base_from_optical);
     }
     return frame;
@@ -66,7 +66,7 @@ class Eyes {
 
  private:
   const World& world_;
-  PictureDetector detector_;
+  FindInPicture find_;
   std::optional<SimulatedCamera> camera_;
 };
 
@@ -196,17 +196,28 @@ std::string to_table(const RoomSummary& s) {
     return format("%-38s %9.*f %9.*f %9.*f\n", name, digits, spread.mean, digits, spread.median, digits,
                   spread.worst);
   };
-  return format("%-38s %9s %9s %9s\n", format("%zu runs", s.runs).c_str(), "mean", "median", "worst") +
-         row("landmark RMSE, aligned (m)", s.landmark_rmse_aligned, 4) +
-         row("landmark RMSE, in the start frame (m)", s.landmark_rmse_start, 4) +
-         row("path RMSE, in the start frame (m)", s.path_rmse, 4) + row("landmarks missed", s.missed, 2) +
-         row("landmarks too many", s.spurious, 2) + row("labels wrong", s.wrong_labels, 2) +
-         row(format("pose NEES (%d when consistent)", s.pose_dof).c_str(), s.nees, 2) +
-         format("all %zu landmarks and no other: %.0f %% of the runs\n", s.true_landmarks,
-                100.0 * s.exact_count_share) +
-         format(
-             "NEES averaged over the runs: inside its 95 %% bounds, %.2f to %.2f, for %.0f %% of the time\n",
-             s.nees_low, s.nees_high, 100.0 * s.nees_inside_share);
+  std::string text =
+      format("%-38s %9s %9s %9s\n", format("%zu runs", s.runs).c_str(), "mean", "median", "worst");
+  if (s.true_landmarks > 0) {
+    text += row("landmark RMSE, aligned (m)", s.landmark_rmse_aligned, 4) +
+            row("landmark RMSE, in the start frame (m)", s.landmark_rmse_start, 4);
+  }
+  text += row("path RMSE, in the start frame (m)", s.path_rmse, 4);
+  if (s.true_landmarks > 0) {
+    text += row("landmarks missed", s.missed, 2) + row("landmarks too many", s.spurious, 2) +
+            row("labels wrong", s.wrong_labels, 2);
+  } else {
+    text += row("landmarks in the map", s.spurious, 0);
+  }
+  text += row(format("pose NEES (%d when consistent)", s.pose_dof).c_str(), s.nees, 2);
+  if (s.true_landmarks > 0) {
+    text += format("all %zu landmarks and no other: %.0f %% of the runs\n", s.true_landmarks,
+                   100.0 * s.exact_count_share);
+  }
+  return text + format(
+                    "NEES averaged over the runs: inside its 95 %% bounds, %.2f to %.2f, for %.0f %% of the "
+                    "time\n",
+                    s.nees_low, s.nees_high, 100.0 * s.nees_inside_share);
 }
 
 std::string to_json(const RoomSummary& s, const std::vector<RoomRun>& runs) {

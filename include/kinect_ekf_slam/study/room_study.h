@@ -21,7 +21,7 @@ SensorFrame to_sensor_frame(const Sample& sample, const World& world);
 std::vector<Detection> to_detections(const Findings& findings, const Eigen::Isometry3d& base_from_optical);
 
 /// Finds landmarks in the pictures of one run, in their order. `up_in_optical`: where up is.
-using PictureDetector =
+using FindInPicture =
     std::function<Findings(const RgbdPicture& picture, const Eigen::Vector3d& up_in_optical)>;
 
 /// Many simulated runs of one world through the pipeline, each with the truth at hand.
@@ -32,7 +32,7 @@ struct RoomStudy {
   int seeds = 100;
   /// The detector of one run, where the world's pictures are to be rendered and what is found in them is to
   /// take the place of the simulated sightings; else empty.
-  std::function<PictureDetector()> make_detector;
+  std::function<FindInPicture()> make_detector;
   std::function<void(double)> on_progress;  ///< share done, 0 to 1, from the calling thread; may be empty
 };
 
