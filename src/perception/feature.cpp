@@ -7,7 +7,7 @@
 namespace kinect_ekf_slam {
 namespace {
 
-constexpr double kRenewBelow = 0.5;  // share of a keyframe's features that must still be followed
+constexpr double kRenewBelow = 0.3;  // share of a keyframe's features that must still be followed
 
 Region region_of(const cv::KeyPoint& point) {
   constexpr float kSmallest = 6.0F;
@@ -98,11 +98,16 @@ std::optional<PlacedPoint> FeatureDetector::read_depth(const cv::Mat& depth_in_m
   return place;
 }
 
-/// Features that the picture before had too keep their tracks, the others begin new ones.
+/// Features that the picture before had, or the keyframe, keep their tracks; the others begin new ones.
 void FeatureDetector::follow(View* view) {
-  for (const auto& [before, now] : match(previous_.keypoints, view->keypoints, options_.matching)) {
-    view->features[now].track = previous_.features[before].track;
-    view->features[now].sightings = previous_.features[before].sightings + 1;
+  for (const View* earlier : {&previous_, &keyframe_}) {
+    for (const auto& [before, now] : match(earlier->keypoints, view->keypoints, options_.matching)) {
+      const Feature& then = earlier->features[before];
+      Feature& feature = view->features[now];
+      if (feature.track != kNoId || view->index_of(then.track) >= 0) continue;
+      feature.track = then.track;
+      feature.sightings = then.sightings + 1;
+    }
   }
   for (Feature& feature : view->features) {
     if (feature.track == kNoId) feature.track = next_track_++;
@@ -181,12 +186,12 @@ void FeatureDetector::report(const View& view, Findings* findings) const {
   std::vector<std::size_t> order(view.features.size());
   std::iota(order.begin(), order.end(), 0U);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t left, std::size_t right) {
-    return view.features[left].sightings > view.features[right].sightings;
+    return view.features[left].track < view.features[right].track;
   });
   for (const std::size_t i : order) {
     const Feature& feature = view.features[i];
     const cv::KeyPoint& point = view.keypoints.points[i];
-    if (feature.sightings < options_.min_sightings) break;
+    if (feature.sightings < options_.min_sightings) continue;
     if (!feature.place) {
       findings->refused.push_back({"no depth", region_of(point)});
       continue;
@@ -194,7 +199,9 @@ void FeatureDetector::report(const View& view, Findings* findings) const {
     if (static_cast<int>(findings->found.size()) >= options_.most) break;
     Finding finding;
     finding.position = feature.place->position;
-    finding.covariance = feature.place->covariance + options_.noise.camera_covariance(finding.position);
+    const Eigen::Matrix3d covariance =
+        feature.place->covariance + options_.noise.camera_covariance(finding.position);
+    finding.covariance = 0.5 * (covariance + covariance.transpose());
     finding.signature.source_id = feature.track;
     finding.signature.descriptor = to_floats(view.keypoints.descriptors.row(static_cast<int>(i)));
     finding.score = 1.0 - 1.0 / feature.sightings;

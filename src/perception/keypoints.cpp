@@ -28,9 +28,9 @@ cv::Ptr<cv::Feature2D> make_orb(int count) {
 }
 
 cv::Ptr<cv::Feature2D> make_harris(int count) {
-  constexpr double kQuality = 0.003;  // of the best corner's response
-  constexpr double kDistance = 7.0;   // pixels between corners
-  constexpr int kWindow = 5;          // pixels
+  constexpr double kQuality = 1e-4;  // of the best corner's response
+  constexpr double kDistance = 7.0;  // pixels between corners
+  constexpr int kWindow = 5;         // pixels
   return cv::GFTTDetector::create(count, kQuality, kDistance, kWindow, true);
 }
 
@@ -62,6 +62,8 @@ KeypointDetector::KeypointDetector(const KeypointOptions& options) : options_(op
 }
 
 Keypoints KeypointDetector::detect(const cv::Mat& colour) const {
+  constexpr int kSmallest = 64;  // pixels; the detectors' pyramids need some
+  if (colour.rows < kSmallest || colour.cols < kSmallest) return {};
   cv::Mat grey;
   cv::cvtColor(colour, grey, cv::COLOR_BGR2GRAY);
   std::vector<cv::KeyPoint> candidates;

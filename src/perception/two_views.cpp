@@ -1,6 +1,7 @@
 #include "kinect_ekf_slam/perception/two_views.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 
@@ -16,6 +17,7 @@ using PixelByMotion = Eigen::Matrix<double, 2, 6>;
 
 constexpr int kIterations = 10;
 constexpr double kNearest = 0.05;  // m of depth
+constexpr double kGate = 13.8;     // chi-square quantile of 0.999 for a pixel's two axes
 
 PixelByPoint projection_jacobian(const Eigen::Vector3d& point, const PinholeCamera& camera) {
   const double inverse = 1.0 / point.z();
@@ -69,27 +71,32 @@ std::optional<CameraMotion> sampled_motion(const std::vector<PlacedPoint>& point
   return motion;
 }
 
-/// Normal equations of the pixels' errors, J^T W J and J^T W e, about one motion.
+/// Normal equations of the pixels' errors, J^T W J and J^T W e, about one motion, of the points that agree.
 struct NormalEquations {
   Matrix6d information = Matrix6d::Zero();
   Vector6d right_side = Vector6d::Zero();
 };
 
-NormalEquations linearise(const CameraMotion& motion, const std::vector<PlacedPoint>& points,
+/// Also decides anew which points agree, by what the noise of pixel and place allows.
+NormalEquations linearise(CameraMotion* motion, const std::vector<PlacedPoint>& points,
                           const std::vector<Eigen::Vector2d>& pixels, const PinholeCamera& camera,
                           double pixel_variance) {
   NormalEquations equations;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d point = motion.second_from_first * points[i].position;
-    if (!motion.agrees[i] || point.z() < kNearest) continue;
+    const Eigen::Vector3d point = motion->second_from_first * points[i].position;
+    motion->agrees[i] = false;
+    if (point.z() < kNearest) continue;
     const PixelByPoint by_point = projection_jacobian(point, camera);
-    const PixelByPoint by_place = by_point * motion.second_from_first.linear();
+    const PixelByPoint by_place = by_point * motion->second_from_first.linear();
     const Eigen::Matrix2d noise =
         pixel_variance * Eigen::Matrix2d::Identity() + by_place * points[i].covariance * by_place.transpose();
-    const PixelByMotion jacobian = by_point * point_by_motion(point);
     const Eigen::LLT<Eigen::Matrix2d> weight(noise);
+    const Eigen::Vector2d error = pixels[i] - camera.project(point);
+    motion->agrees[i] = error.dot(weight.solve(error)) < kGate;
+    if (!motion->agrees[i]) continue;
+    const PixelByMotion jacobian = by_point * point_by_motion(point);
     equations.information += jacobian.transpose() * weight.solve(jacobian);
-    equations.right_side += jacobian.transpose() * weight.solve(pixels[i] - camera.project(point));
+    equations.right_side += jacobian.transpose() * weight.solve(error);
   }
   return equations;
 }
@@ -104,7 +111,7 @@ std::optional<CameraMotion> find_motion(const std::vector<PlacedPoint>& points_i
   if (!motion) return std::nullopt;
   const double variance = options.pixel_sigma * options.pixel_sigma;
   for (int i = 0; i < kIterations; ++i) {
-    const NormalEquations equations = linearise(*motion, points_in_first, pixels_in_second, camera, variance);
+    const NormalEquations equations = linearise(&*motion, points_in_first, pixels_in_second, camera, variance);
     const Eigen::LLT<Matrix6d> factor(equations.information);
     if (factor.info() != Eigen::Success) return std::nullopt;
     const Vector6d step = factor.solve(equations.right_side);
@@ -113,6 +120,8 @@ std::optional<CameraMotion> find_motion(const std::vector<PlacedPoint>& points_i
     motion->covariance = factor.solve(Matrix6d::Identity());
     if (step.norm() < 1e-9) break;
   }
+  const auto agreeing = std::count(motion->agrees.begin(), motion->agrees.end(), true);
+  if (agreeing < options.fewest) return std::nullopt;
   return motion;
 }
 

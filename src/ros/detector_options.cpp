@@ -80,7 +80,7 @@ void visit(ParameterVisitor& v, FeatureOptions& o) {
   v.number("features/epipolar_error", &o.matching.epipolar_error, 0.1, 100.0, "pixels",
            "of a match, at most");
   v.number("features/reprojection_error", &o.two_views.reprojection_error, 0.1, 100.0, "pixels",
-           "of what moves with the camera only, at most");
+           "RANSAC's bound for what moves with the camera only");
   v.number("features/pixel_sigma", &o.two_views.pixel_sigma, 0.01, 100.0, "pixels", "of a keypoint");
   v.integer("features/min_sightings", &o.min_sightings, 2, 1000, "pictures", "before a feature is reported");
   v.integer("features/most", &o.most, 1, 1000, "-", "that are reported of a picture");

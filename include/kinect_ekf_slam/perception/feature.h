@@ -20,7 +20,7 @@ struct FeatureOptions {
   double min_depth = 0.4;         ///< m; readings outside are not used
   double max_depth = 5.0;         ///< m
   int min_sightings = 4;          ///< pictures that must have shown a feature before it is reported
-  int most = 40;                  ///< of a picture that are reported; those known longest come first
+  int most = 25;                  ///< of a picture that are reported; the oldest tracks come first
   int remembered_keyframes = 50;  ///< pictures in which features that were lost are looked for
   DepthNoise noise;
 };
@@ -28,10 +28,10 @@ struct FeatureOptions {
 /// Follows natural features from picture to picture. A finding's source_id is the number of its track: an
 /// identity that was seen to persist. Pictures come in the order of time.
 ///
-/// Keypoints are matched with those of the picture before. Now and then a picture becomes a keyframe: the
-/// camera's motion since then, from features with depth, tells which features do not move with the rest, and
-/// where those are that have no depth. A new keyframe is compared with earlier ones, and features that are
-/// found again get their old numbers back.
+/// Keypoints are matched with those of the picture before and of the keyframe. Now and then a picture becomes
+/// the keyframe: the camera's motion since then, from features with depth, tells which features do not move
+/// with the rest, and where those are that have no depth. A new keyframe is compared with earlier ones, and
+/// features that are found again get their old numbers back.
 class FeatureDetector {
  public:
   /// Throws std::invalid_argument for a type of keypoints that this OpenCV does not have.

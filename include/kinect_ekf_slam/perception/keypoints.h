@@ -27,7 +27,7 @@ class KeypointDetector {
   /// Throws std::invalid_argument for a type that this OpenCV does not have.
   explicit KeypointDetector(const KeypointOptions& options);
 
-  /// `colour` is 8UC3.
+  /// `colour` is 8UC3. None in a picture of less than 64 pixels on a side.
   Keypoints detect(const cv::Mat& colour) const;
 
  private:

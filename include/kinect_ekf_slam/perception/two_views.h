@@ -25,14 +25,14 @@ struct CameraMotion {
 
 struct TwoViewOptions {
   double pixel_sigma = 1.0;         ///< pixels, of a keypoint on each axis
-  double reprojection_error = 4.0;  ///< pixels; a point farther off does not agree with the motion
+  double reprojection_error = 4.0;  ///< pixels; RANSAC's bound for points that agree with a motion
   int fewest = 8;                   ///< points that must agree
   double largest_share = 0.1;       ///< sigma of a triangulated depth over the depth
 };
 
 /// The motion that takes points, whose places are known in the first picture, to their pixels in the second:
-/// P3P with RANSAC, then least squares weighted with the noise of pixels and places. Nothing when too few
-/// agree.
+/// P3P with RANSAC, then least squares weighted with the noise of pixels and places, of the points whose
+/// error that noise allows. Nothing when too few agree.
 std::optional<CameraMotion> find_motion(const std::vector<PlacedPoint>& points_in_first,
                                         const std::vector<Eigen::Vector2d>& pixels_in_second,
                                         const PinholeCamera& camera, const TwoViewOptions& options);
