@@ -44,7 +44,7 @@ LandmarkDetectorNode::LandmarkDetectorNode(const ros::NodeHandle& handle,
       transport_(private_handle),
       transforms_(transforms),
       options_(options),
-      live_(ros::NodeHandle(private_handle, names::kLive)),
+      live_(live_mutex_, ros::NodeHandle(private_handle, names::kLive)),
       diagnostics_(handle, private_handle) {
   landmarks_ = handle_.advertise<LandmarkDetectionArray>("landmarks", 10);
   debug_ = transport_.advertise("debug", 1);

@@ -14,6 +14,7 @@
 #include <stereo_msgs/DisparityImage.h>
 #include <tf2_ros/buffer.h>
 
+#include <boost/thread/recursive_mutex.hpp>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -78,6 +79,7 @@ class LandmarkDetectorNode {
   std::unique_ptr<message_filters::Synchronizer<Policy>> synchronizer_;
   std::unique_ptr<message_filters::Synchronizer<StereoPolicy>> stereo_synchronizer_;
   std::unique_ptr<message_filters::Synchronizer<ColourPolicy>> colour_synchronizer_;
+  boost::recursive_mutex live_mutex_;
   dynamic_reconfigure::Server<DetectorConfig> live_;
   diagnostic_updater::Updater diagnostics_;
   ros::WallTimer diagnostics_timer_;
