@@ -44,8 +44,8 @@ def loaded():
 class LaunchFiles(unittest.TestCase):
     def test_all_load_and_start_something(self):
         self.assertEqual({os.path.basename(path) for path in LAUNCH_FILES},
-                         {"detect_aruco.launch", "detect_kinect_cylinder.launch", "detect_laser_cylinder.launch",
-                          "record.launch", "replay.launch", "rviz.launch", "simulation.launch", "slam.launch",
+                         {"detect_aruco.launch", "detect_features.launch", "detect_kinect_cylinder.launch",
+                          "detect_laser_cylinder.launch", "detect_stereo_features.launch", "record.launch", "replay.launch", "rviz.launch", "simulation.launch", "slam.launch",
                           "turtlebot.launch"})
         for path, arguments, nodes, _ in loaded():
             with self.subTest(path=path, arguments=arguments):
