@@ -188,6 +188,13 @@ void FeatureDetector::report(const View& view, Findings* findings) const {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t left, std::size_t right) {
     return view.features[left].track < view.features[right].track;
   });
+  // What is close together shows the same corner, and errs alike.
+  const double nearest = 0.5 * options_.keypoints.cell_size;
+  std::vector<Eigen::Vector2d> reported;
+  const auto is_apart = [&](const Eigen::Vector2d& pixel) {
+    return std::all_of(reported.begin(), reported.end(),
+                       [&](const Eigen::Vector2d& other) { return (pixel - other).norm() >= nearest; });
+  };
   for (const std::size_t i : order) {
     const Feature& feature = view.features[i];
     const cv::KeyPoint& point = view.keypoints.points[i];
@@ -197,6 +204,8 @@ void FeatureDetector::report(const View& view, Findings* findings) const {
       continue;
     }
     if (static_cast<int>(findings->found.size()) >= options_.most) break;
+    if (!is_apart(feature.pixel)) continue;
+    reported.push_back(feature.pixel);
     Finding finding;
     finding.position = feature.place->position;
     const Eigen::Matrix3d covariance =

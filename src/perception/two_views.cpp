@@ -111,7 +111,8 @@ std::optional<CameraMotion> find_motion(const std::vector<PlacedPoint>& points_i
   if (!motion) return std::nullopt;
   const double variance = options.pixel_sigma * options.pixel_sigma;
   for (int i = 0; i < kIterations; ++i) {
-    const NormalEquations equations = linearise(&*motion, points_in_first, pixels_in_second, camera, variance);
+    const NormalEquations equations =
+        linearise(&*motion, points_in_first, pixels_in_second, camera, variance);
     const Eigen::LLT<Matrix6d> factor(equations.information);
     if (factor.info() != Eigen::Success) return std::nullopt;
     const Vector6d step = factor.solve(equations.right_side);

@@ -17,10 +17,10 @@ struct FeatureOptions {
   KeypointOptions keypoints;
   MatchOptions matching;
   TwoViewOptions two_views;
-  double min_depth = 0.4;         ///< m; readings outside are not used
-  double max_depth = 5.0;         ///< m
-  int min_sightings = 4;          ///< pictures that must have shown a feature before it is reported
-  int most = 25;                  ///< of a picture that are reported; the oldest tracks come first
+  double min_depth = 0.4;  ///< m; readings outside are not used
+  double max_depth = 5.0;  ///< m
+  int min_sightings = 4;   ///< pictures that must have shown a feature before it is reported
+  int most = 25;  ///< of a picture that are reported, half a cell apart; the oldest tracks come first
   int remembered_keyframes = 50;  ///< pictures in which features that were lost are looked for
   DepthNoise noise;
 };
