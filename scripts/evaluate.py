@@ -17,16 +17,19 @@ from slam_tools.evaluation import evaluate, read_estimate, read_truth, table, wr
 DEFINITIONS = """\
 truth
   The path is /ground_truth/pose (geometry_msgs/PoseStamped), interpolated linearly at the stamps of the
-  estimate; stamps outside of it or in a gap longer than 0.5 s are skipped. Without it (or where its
-  quaternions are zero) the first topic of sensor_msgs/NavSatFix gives positions, east, north and up of the
-  first fix; the estimate is then interpolated at their stamps. The landmarks are the last message on
-  /ground_truth/landmarks (kinect_ekf_slam/LandmarkMap); identity is source_id, or else id.
+  estimate; stamps outside of it or in a gap longer than 0.5 s are skipped. Without it the first topic of
+  sensor_msgs/NavSatFix gives positions, east, north and up of the first fix. Where there are positions only
+  (also /ground_truth/pose with quaternions of zero), the estimate is interpolated at their stamps. The
+  landmarks are the last message on /ground_truth/landmarks (kinect_ekf_slam/LandmarkMap); identity is
+  source_id, or else id.
 
 alignment
-  se2   least-squares rigid transform in the plane (Umeyama 1991, without scale); errors in x, y and yaw
-        (default)
-  se3   the same in space; errors in x, y, z and the rotation
-  none  compares in the given frames; in the plane when the estimate stays in it, else in space
+  se2     least-squares rigid transform in the plane (Umeyama 1991, without scale); errors in x, y and yaw
+          (default)
+  se3     the same in space; errors in x, y, z and the rotation
+  robust  as se2, but with the smallest sum of the distances, not of their squares: for a truth with
+          outliers, such as a GPS has
+  none    compares in the given frames; in the plane when the estimate stays in it, else in space
   Path, dead reckoning and landmarks are aligned each for itself, landmarks by their matched pairs. The
   _start_ figures are not fitted: the first estimated pose is put on the true pose of that time, and nothing
   else is done.
@@ -40,6 +43,7 @@ landmarks
 
 evaluation.json, null where unknown
   ate_rmse_m, ate_rmse_start_m               root mean square of the position error of the path
+  path_error_median_m, path_error_p95_m      median and 95th percentile of the same
   dead_reckoning_ate_rmse_m                  the same of dead_reckoning.tum
   heading_rmse_deg                           root mean square of the yaw error
   landmark_rmse_m, landmark_max_m,           position error of the matched landmarks
@@ -57,7 +61,7 @@ evaluation.json, null where unknown
   path_length_m, duration_s                  of the true path where it was compared; of the estimated path
                                              where the truth is positions only (their noise lengthens it) or
                                              not there
-  align                                      none, se2 or se3
+  align                                      none, se2, se3 or robust
 """
 
 
@@ -66,7 +70,7 @@ def main():
     parser.add_argument("folder", metavar="DIR",
                         help="folder that slam_replay wrote; gets evaluation.json and evaluation.png")
     parser.add_argument("--truth", metavar="BAG", required=True, help="bag with the ground truth")
-    parser.add_argument("--align", choices=("none", "se2", "se3"), default="se2",
+    parser.add_argument("--align", choices=("none", "se2", "se3", "robust"), default="se2",
                         help="how the estimate is brought into the frame of the truth (default: %(default)s)")
     parser.add_argument("--sigmas", metavar="N", type=float, default=3.0,
                         help="size of the bands and ellipses in the picture (default: %(default)g)")

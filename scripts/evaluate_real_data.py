@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Runs the package on recorded data by others and prints how well it does, beside what it has to reach.
 
-MRCLAM dataset 6 (five robots, known identities, one configuration), a TurtleBot3 among nine cylinders, a Husky by
-dead reckoning against GPS. The data are not part of the package: --data, else the environment variable SLAM_DATA,
+MRCLAM dataset 6 (five robots, known identities, one configuration), a TurtleBot3 among nine cylinders, a truck among
+the trees of Victoria Park, a Husky by dead reckoning against GPS. The data are not part of the package: --data, else the environment variable SLAM_DATA,
 names the folder; without it there is nothing to do.
 """
 import argparse
@@ -33,14 +33,14 @@ def script(name, *arguments):
     subprocess.run([PYTHON, os.path.join(ROOT, "scripts", name), *arguments], check=True, stdout=subprocess.DEVNULL)
 
 
-def replay(bag, truth, config, directory, *settings):
+def replay(bag, truth, config, directory, *settings, align="se2"):
     """Replays a bag, evaluates it, and returns evaluation.json with summary.json under "summary"."""
     slam_replay = os.path.join(ROOT, "build", "devel", "lib", "kinect_ekf_slam", "slam_replay")
     command = [slam_replay, bag, "--config", os.path.join(ROOT, "config", config), "--out", directory]
     for setting in settings:
         command += ["--set", setting]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    script("evaluate.py", directory, "--truth", truth)
+    script("evaluate.py", directory, "--truth", truth, "--align", align)
     with open(os.path.join(directory, "evaluation.json"), encoding="utf-8") as file:
         result = json.load(file)
     with open(os.path.join(directory, "summary.json"), encoding="utf-8") as file:
@@ -64,6 +64,13 @@ def turtlebot3(data, out, settings=()):
     if not os.path.exists(bag):
         script("turtlebot3_truth.py", os.path.join(data, "bags", "turtlebot3_world.bag"), bag)
     return replay(bag, bag, "turtlebot3.yaml", os.path.join(out, "turtlebot3"), *settings)
+
+
+def victoria_park(data, out, settings=()):
+    bag = os.path.join(out, "victoria_park.bag")
+    if not os.path.exists(bag):
+        script("victoria_park_to_bag.py", os.path.join(data, "victoria_park"), bag)
+    return replay(bag, bag, "victoria_park.yaml", os.path.join(out, "victoria_park"), *settings, align="robust")
 
 
 def husky(data, out):
@@ -107,6 +114,13 @@ def print_turtlebot3(result):
           f"{result['landmark_max_m']:.3f} m (goal: exactly 9, <= 0.05 m); path ATE {result['ate_rmse_m']:.3f} m")
 
 
+def print_victoria_park(result):
+    print("Victoria Park, laser, unknown identities, config/victoria_park.yaml, against GPS, robust alignment")
+    print(f"  path error: median {result['path_error_median_m']:.2f} m (goal: <= 1.0), 95th percentile "
+          f"{result['path_error_p95_m']:.2f} m (<= 3.5); {result['landmarks_estimated']} landmarks (< 300); "
+          f"{result['summary']['times_real_time']:.0f} times real time (>= 20)")
+
+
 def print_husky(results):
     print("Husky, dead reckoning against GPS, config/husky.yaml (goal: about 6.9 m by wheels, 3.2 m by gyro)")
     for source, result in results.items():
@@ -132,6 +146,7 @@ def main():
                                            [*arguments.settings, "estimator/type=" + name], "mrclam6_" + name)
                               for name in ESTIMATORS})
         print_turtlebot3(turtlebot3(arguments.data, arguments.out, arguments.settings))
+        print_victoria_park(victoria_park(arguments.data, arguments.out, arguments.settings))
         print_husky(husky(arguments.data, arguments.out))
     except (OSError, subprocess.CalledProcessError) as error:
         print(f"evaluate_real_data.py: {error}", file=sys.stderr)

@@ -28,33 +28,19 @@ if __name__ == "__main__":
 import heapq
 
 import numpy as np
-from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import Odometry
 
 from slam_tools import cli
-from slam_tools.bags import (TRUE_LANDMARKS_TOPIC, TRUE_POSE_TOPIC, BagWriter, fill_pose,
-                             time_from_nanoseconds)
+from slam_tools.bags import TRUE_LANDMARKS_TOPIC, TRUE_POSE_TOPIC, BagWriter, time_from_nanoseconds
 from slam_tools.environment import package_messages
 from slam_tools.geometry import integrate_arcs, quaternion_from_yaw
-from slam_tools.tables import read_numbers
+from slam_tools.recordings import (OUT_OF_PLANE_STD, keep_last_of_repeated_stamps, nanoseconds,
+                                   odometry_messages, read_rows, true_pose_messages)
 
 ROBOT_SUBJECTS = range(1, 6)
 LONGEST_GAP = 50_000_000      # ns, between odometry samples
 GROUP_DURATION = 20_000_000   # ns, of the measurement rows of one array
 
-# Standard deviations of the recorded velocities, and of the integrated pose per distance and per angle
-# travelled. The robot drives on a floor: what moves out of the plane is small.
-SPEED_STD, TURN_RATE_STD, OUT_OF_PLANE_STD = 0.02, 0.1, 0.001   # m/s, rad/s, and m, rad, m/s or rad/s
-START_STD, DRIFT = 0.01, 0.05
-
-
-def nanoseconds(seconds):
-    """Stamps as whole nanoseconds; the files' resolution is a millisecond."""
-    return np.rint(np.asarray(seconds) * 1e6).astype(np.int64) * 1000
-
-
-def keep_last_of_repeated_stamps(table):
-    return table[np.append(np.diff(table[:, 0]) > 0.0, True)[:len(table)]]
+SPEED_STD, TURN_RATE_STD = 0.02, 0.1   # m/s, rad/s: standard deviations of the recorded velocities
 
 
 def fill_gaps(stamps, speeds, turn_rates):
@@ -66,32 +52,13 @@ def fill_gaps(stamps, speeds, turn_rates):
     return stamps[row] + position_in_row * LONGEST_GAP, speeds[row], turn_rates[row]
 
 
-def odometry_messages(rows):
-    """(receipt time in ns, message) for rows of time, speed, turn rate."""
+def odometry(rows):
+    """(receipt time in ns, topic, message) for rows of time, speed, turn rate."""
     stamps, speeds, turn_rates = fill_gaps(nanoseconds(rows[:, 0]), rows[:, 1], rows[:, 2])
-    durations = np.diff(stamps) * 1e-9
-    poses = integrate_arcs(durations, speeds[:-1], turn_rates[:-1])
-    quaternions = quaternion_from_yaw(poses[:, 2])
-    distance = np.append(0.0, np.cumsum(np.abs(speeds[:-1]) * durations))
-    angle = np.append(0.0, np.cumsum(np.abs(turn_rates[:-1]) * durations))
-    position_variance = START_STD**2 + (DRIFT * distance)**2
-    yaw_variance = START_STD**2 + (DRIFT * angle)**2
-    twist_covariance = [0.0] * 36
-    twist_covariance[::7] = [SPEED_STD**2] + 4 * [OUT_OF_PLANE_STD**2] + [TURN_RATE_STD**2]
-
-    for i, stamp in enumerate(stamps):
-        message = Odometry()
-        message.header.seq = i
-        message.header.stamp = time_from_nanoseconds(stamp)
-        message.header.frame_id = "odom"
-        message.child_frame_id = "base_footprint"
-        fill_pose(message.pose.pose, (poses[i, 0], poses[i, 1], 0.0), quaternions[i])
-        message.pose.covariance[::7] = [position_variance[i], position_variance[i], OUT_OF_PLANE_STD**2,
-                                        OUT_OF_PLANE_STD**2, OUT_OF_PLANE_STD**2, yaw_variance[i]]
-        message.twist.twist.linear.x = speeds[i]
-        message.twist.twist.angular.z = turn_rates[i]
-        message.twist.covariance = twist_covariance
-        yield int(stamp), "/odom", message
+    poses = integrate_arcs(np.diff(stamps) * 1e-9, speeds[:-1], turn_rates[:-1])
+    twists = np.column_stack([speeds, np.zeros(len(speeds)), turn_rates])
+    return odometry_messages(stamps, poses, twists, (SPEED_STD, OUT_OF_PLANE_STD, TURN_RATE_STD),
+                             "base_footprint")
 
 
 def group_starts(stamps):
@@ -123,19 +90,6 @@ def detection_messages(rows, subjects, messages):
         yield int(stamps[first]), "/landmarks", message
 
 
-def true_pose_messages(rows):
-    """(receipt time in ns, message) for rows of time, x, y, yaw."""
-    stamps = nanoseconds(rows[:, 0])
-    quaternions = quaternion_from_yaw(rows[:, 3])
-    for i, stamp in enumerate(stamps):
-        message = PoseStamped()
-        message.header.seq = i
-        message.header.stamp = time_from_nanoseconds(stamp)
-        message.header.frame_id = "map"
-        fill_pose(message.pose, (rows[i, 1], rows[i, 2], 0.0), quaternions[i])
-        yield int(stamp), TRUE_POSE_TOPIC, message
-
-
 def true_landmark_map(rows, stamp, messages):
     """The map message of rows of subject, x, y and their standard deviations."""
     message = messages.LandmarkMap()
@@ -153,45 +107,38 @@ def true_landmark_map(rows, stamp, messages):
 def convert(folder, robot, bag_path):
     messages = package_messages()
 
-    def read(name, columns, optional=False, ordered_by_time=True):
-        path = os.path.join(folder, name)
-        if optional and not os.path.exists(path):
-            return np.empty((0, len(columns)))
-        rows = read_numbers(path, columns, ordered_by_time=ordered_by_time)
-        if not len(rows):
-            raise cli.InputError(f"{path}: holds no rows; rows of {' '.join(columns)} are needed")
-        return rows
-
     if not os.path.isdir(folder):
         raise cli.InputError(f"{folder}: no such folder; one with Robot{robot}_Odometry.dat is needed")
-    odometry = read(f"Robot{robot}_Odometry.dat", ("time", "speed", "turn_rate"))
-    measurements = read(f"Robot{robot}_Measurement.dat", ("time", "barcode", "range", "bearing"))
-    true_poses = read(f"Robot{robot}_Groundtruth.dat", ("time", "x", "y", "yaw"), optional=True)
-    barcodes = read("Barcodes.dat", ("subject", "barcode"), ordered_by_time=False)
-    true_landmarks = read("Landmark_Groundtruth.dat", ("subject", "x", "y", "std_x", "std_y"),
-                          ordered_by_time=False)
+    rows = read_rows(folder, f"Robot{robot}_Odometry.dat", ("time", "speed", "turn_rate"))
+    measurements = read_rows(folder, f"Robot{robot}_Measurement.dat", ("time", "barcode", "range", "bearing"))
+    true_poses = np.empty((0, 4))
+    if os.path.exists(os.path.join(folder, f"Robot{robot}_Groundtruth.dat")):
+        true_poses = read_rows(folder, f"Robot{robot}_Groundtruth.dat", ("time", "x", "y", "yaw"))
+    barcodes = read_rows(folder, "Barcodes.dat", ("subject", "barcode"), ordered_by_time=False)
+    true_landmarks = read_rows(folder, "Landmark_Groundtruth.dat", ("subject", "x", "y", "std_x", "std_y"),
+                               ordered_by_time=False)
 
-    repeated = len(odometry)
-    odometry = keep_last_of_repeated_stamps(odometry)
-    repeated -= len(odometry)
+    repeated = len(rows)
+    rows = keep_last_of_repeated_stamps(rows)
+    repeated -= len(rows)
     subject_of_barcode = {int(barcode): int(subject) for subject, barcode in barcodes}
     subjects = np.array([subject_of_barcode.get(int(barcode), -1) for barcode in measurements[:, 1]])
     robots = int(np.isin(subjects, ROBOT_SUBJECTS).sum())
 
-    start = int(min(nanoseconds(table[0, 0]) for table in (odometry, measurements, true_poses) if len(table)))
-    streams = heapq.merge(odometry_messages(odometry),
-                          detection_messages(measurements, subjects, messages),
-                          true_pose_messages(true_poses), key=lambda item: item[0])
+    start = int(min(nanoseconds(table[0, 0]) for table in (rows, measurements, true_poses) if len(table)))
+    streams = heapq.merge(odometry(rows), detection_messages(measurements, subjects, messages),
+                          true_pose_messages(nanoseconds(true_poses[:, 0]), true_poses[:, 1:3],
+                                             quaternion_from_yaw(true_poses[:, 3])), key=lambda item: item[0])
     with BagWriter(bag_path) as bag:
         bag.write(TRUE_LANDMARKS_TOPIC, true_landmark_map(true_landmarks, start, messages),
                   time_from_nanoseconds(start), latched=True)
-        about = len(odometry) + len(true_poses) + len(group_starts(nanoseconds(measurements[:, 0])))
+        about = len(rows) + len(true_poses) + len(group_starts(nanoseconds(measurements[:, 0])))
         for stamp, topic, message in cli.progress(streams, about, "Writing"):
             bag.write(topic, message, time_from_nanoseconds(stamp))
 
     samples = bag.counts["/odom"]
     poses = bag.counts.get(TRUE_POSE_TOPIC, 0)
-    print(f"/odom                    {samples:6d} messages: {len(odometry)} rows, {samples - len(odometry)} "
+    print(f"/odom                    {samples:6d} messages: {len(rows)} rows, {samples - len(rows)} "
           f"samples to fill gaps; {repeated} rows with a repeated stamp left out")
     unlisted = int((subjects < 0).sum())
     print(f"/landmarks               {bag.counts['/landmarks']:6d} messages: {len(subjects) - robots} "

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the pictures in docs/images again: those of scripts/demo.sh without a display, smaller, and that of the
-# consistency study.
+# Makes the pictures in docs/images again: those of scripts/demo.sh without a display, smaller, and those of the
+# consistency and robustness studies.
 #   scripts/update_images.sh
 set -euo pipefail
 case ${1:-} in
@@ -16,7 +16,9 @@ scripts/demo.sh
 for name in rviz evaluation; do
   convert "runs/demo/$name.png" -resize 1000x -strip -dither None -colors 200 "PNG8:docs/images/$name.png"
 done
-build/devel/env.sh slam_study consistency --json runs/consistency.json
-build/devel/env.sh python3 scripts/plot_consistency.py runs/consistency.json runs/consistency.png
-convert runs/consistency.png -resize 1000x -strip -dither None -colors 200 PNG8:docs/images/consistency.png
+for study in consistency robustness; do
+  build/devel/env.sh slam_study "$study" --json "runs/$study.json"
+  build/devel/env.sh python3 "scripts/plot_$study.py" "runs/$study.json" "runs/$study.png"
+  convert "runs/$study.png" -resize 1000x -strip -dither None -colors 200 "PNG8:docs/images/$study.png"
+done
 identify -format '%d/%f %wx%h %b\n' docs/images/*.png

@@ -12,8 +12,8 @@ import numpy as np
 
 from .bags import Landmarks, open_bag, read_true_landmarks, read_true_path
 from .cli import InputError, atomic_output
-from .geometry import (Interpolation, Path, RigidTransform, align, quaternion_inverse, quaternion_product,
-                       rotation_vector_of_quaternion, wrap_angle, yaw_of_quaternion)
+from .geometry import (Interpolation, Path, RigidTransform, align, align_robustly, quaternion_inverse,
+                       quaternion_product, rotation_vector_of_quaternion, wrap_angle, yaw_of_quaternion)
 from .tables import read_csv, read_numbers
 
 TRUTH_GAP_MAX = 0.5            # s, over which the truth is interpolated
@@ -349,17 +349,17 @@ def is_planar(path):
 
 
 def evaluate(estimate, truth, alignment):
-    """alignment: none, se2 or se3."""
-    planar = alignment == "se2" or (alignment == "none" and is_planar(estimate.path))
+    """alignment: none, se2, se3 or robust."""
+    planar = alignment in ("se2", "robust") or (alignment == "none" and is_planar(estimate.path))
     size = 2 if planar else 3
 
     def align_points(source, target):
         if alignment == "none":
             return RigidTransform.identity()
-        return align(source, target, planar)
+        return (align_robustly if alignment == "robust" else align)(source, target, planar)
 
     metrics = {name: None for name in (
-        "align", "ate_rmse_m", "heading_rmse_deg", "landmark_rmse_m", "landmark_max_m", "landmarks_estimated",
+        "align", "ate_rmse_m", "path_error_median_m", "path_error_p95_m", "heading_rmse_deg", "landmark_rmse_m", "landmark_max_m", "landmarks_estimated",
         "landmarks_true", "landmarks_missed", "landmarks_spurious", "association_accuracy", "pose_nees_mean",
         "dead_reckoning_ate_rmse_m", "ate_rmse_start_m", "landmark_rmse_start_m", "pose_nees_start_mean",
         "path_length_m", "duration_s")}
@@ -376,6 +376,8 @@ def evaluate(estimate, truth, alignment):
         if path_transform is not None:
             errors = path_errors(estimated, true, covariances, path_transform, planar)
             metrics["ate_rmse_m"] = root_mean_square(errors.position[:, :size])
+            distances = np.linalg.norm(errors.position[:, :size], axis=1)
+            metrics["path_error_median_m"], metrics["path_error_p95_m"] = np.percentile(distances, (50, 95))
             if errors.yaw is not None:
                 metrics["heading_rmse_deg"] = float(np.degrees(root_mean_square(errors.yaw)))
             metrics["pose_nees_mean"] = mean_or_none(errors.nees)
@@ -446,7 +448,8 @@ def write_metrics(metrics, path):
 def table(metrics) -> List[str]:
     """The metrics as lines of text."""
     rows = [("path", None, None),
-            ("position error, RMSE", "ate_rmse_m", "m"), ("  aligned at the start", "ate_rmse_start_m", "m"),
+            ("position error, RMSE", "ate_rmse_m", "m"), ("  median", "path_error_median_m", "m"),
+            ("  95th percentile", "path_error_p95_m", "m"), ("  aligned at the start", "ate_rmse_start_m", "m"),
             ("  of dead reckoning", "dead_reckoning_ate_rmse_m", "m"),
             ("heading error, RMSE", "heading_rmse_deg", "deg"),
             ("pose NEES, mean", "pose_nees_mean", ""), ("  aligned at the start", "pose_nees_start_mean", ""),

@@ -108,19 +108,20 @@ class RigidTransform:
         return turn @ covariances @ turn.T
 
 
-def align(source, target, planar) -> Optional[RigidTransform]:
+def align(source, target, planar, weights=None) -> Optional[RigidTransform]:
     """The rigid transform that brings the source points nearest to the target points, by least squares.
 
     Umeyama, "Least-squares estimation of transformation parameters between two point patterns", IEEE PAMI
-    13(4), 1991, without scale; never a reflection. Planar: x and y only. None where the points do not
-    determine it: all of them in one place, or, in space, on one line.
+    13(4), 1991, without scale; never a reflection. Planar: x and y only. weights: of the pairs, alike when
+    None. None where the points do not determine it: all of them in one place, or, in space, on one line.
     """
     size = 2 if planar else 3
     if len(source) < size:
         return None
     a, b = np.asarray(source)[:, :size], np.asarray(target)[:, :size]
-    a_mean, b_mean = a.mean(axis=0), b.mean(axis=0)
-    u, spread, vt = np.linalg.svd((b - b_mean).T @ (a - a_mean) / len(a))
+    weights = np.full(len(a), 1.0 / len(a)) if weights is None else weights / np.sum(weights)
+    a_mean, b_mean = weights @ a, weights @ b
+    u, spread, vt = np.linalg.svd((weights[:, None] * (b - b_mean)).T @ (a - a_mean))
     if spread[size - 2] < 1e-12 + 1e-9 * spread[0]:
         return None
     signs = np.ones(size)
@@ -128,6 +129,26 @@ def align(source, target, planar) -> Optional[RigidTransform]:
     transform = RigidTransform.identity()
     transform.rotation[:size, :size] = u @ np.diag(signs) @ vt
     transform.translation[:size] = b_mean - transform.rotation[:size, :size] @ a_mean
+    return transform
+
+
+def align_robustly(source, target, planar) -> Optional[RigidTransform]:
+    """As `align`, but it minimises the sum of the distances, not of their squares: outliers hardly pull.
+
+    By iteratively reweighted least squares: a pair's weight is one over its distance.
+    """
+    size = 2 if planar else 3
+    source, target = np.asarray(source), np.asarray(target)
+    transform = align(source, target, planar)
+    for _ in range(100):
+        if transform is None:
+            break
+        distances = np.linalg.norm((transform.points(source) - target)[:, :size], axis=1)
+        closer = align(source, target, planar, 1.0 / np.maximum(distances, 1e-3))
+        moved = np.inf if closer is None else np.abs(closer.points(source) - transform.points(source)).max()
+        transform = closer
+        if moved < 1e-6:
+            break
     return transform
 
 

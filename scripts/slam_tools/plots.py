@@ -59,6 +59,9 @@ def _summary(metrics):
     parts = []
     if metrics["ate_rmse_m"] is not None:
         part = f"path {metrics['ate_rmse_m']:.3f} m RMSE"
+        if metrics["align"] == "robust":
+            part = (f"path {metrics['path_error_median_m']:.2f} m median, "
+                    f"{metrics['path_error_p95_m']:.2f} m 95th percentile")
         if metrics["dead_reckoning_ate_rmse_m"] is not None:
             part += f" (dead reckoning {metrics['dead_reckoning_ate_rmse_m']:.3f} m)"
         parts.append(part)
@@ -200,8 +203,11 @@ def _over_time(stamps, start, *curves):
     return (np.insert(seconds, breaks, np.nan), *[np.insert(curve, breaks, np.nan) for curve in curves])
 
 
-def _error_panel(panel, stamps, start, error, std, sigmas):
-    """An error with the band of its standard deviation; either may be None. Returns what the legend needs."""
+def _error_panel(panel, stamps, start, error, std, sigmas, shown=100):
+    """An error with the band of its standard deviation; either may be None. Returns what the legend needs.
+
+    shown: percentage of the errors that the panel is high enough for.
+    """
     handles = []
     extent = []
     if std is not None:
@@ -212,7 +218,7 @@ def _error_panel(panel, stamps, start, error, std, sigmas):
     if error is not None:
         seconds, curve = _over_time(stamps, start, error)
         handles += panel.plot(seconds, curve, color=ESTIMATE_COLOR, linewidth=0.9, label="error")
-        extent.append(np.abs(error).max())
+        extent.append(np.percentile(np.abs(error), shown))
     panel.axhline(0.0, color="#777777", linewidth=0.7, zorder=1)
     limit = 1.15 * max(extent, default=0.0)
     if limit > 0.0:
@@ -245,7 +251,8 @@ def _draw_position(panels, components, estimate, evaluation, sigmas):
     for i, (panel, name) in enumerate(zip(panels, components)):
         error = None if errors is None else errors.position[:, i]
         std = None if covariances is None else np.sqrt(np.maximum(covariances[:, i, i], 0.0))
-        handles = _error_panel(panel, stamps, estimate.path.stamps[0], error, std, sigmas)
+        shown = 99 if evaluation.metrics["align"] == "robust" else 100
+        handles = _error_panel(panel, stamps, estimate.path.stamps[0], error, std, sigmas, shown)
         panel.set_ylabel(f"{name} (m)")
         if not handles:
             _nothing_to_show(panel, "no true path and no covariance of the pose")

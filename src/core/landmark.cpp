@@ -16,10 +16,24 @@ void LandmarkInfo::add(TimeNs stamp, const Signature& signature) {
   ++observations;
   if (source_id == kNoId) source_id = signature.source_id;
   if (!signature.label.empty()) ++label_votes[signature.label];
+  if (!signature.descriptor.empty()) descriptor = signature.descriptor;
   if (signature.radius > 0.0) {
     ++radius_observations;
     radius += (signature.radius - radius) / radius_observations;
   }
+}
+
+void LandmarkInfo::absorb(const LandmarkInfo& other) {
+  last_seen = std::max(last_seen, other.last_seen);
+  observations += other.observations;
+  if (source_id == kNoId) source_id = other.source_id;
+  for (const auto& [label, votes] : other.label_votes) label_votes[label] += votes;
+  const std::uint32_t radii = radius_observations + other.radius_observations;
+  if (radii > 0) {
+    radius = (radius * radius_observations + other.radius * other.radius_observations) / radii;
+  }
+  radius_observations = radii;
+  confirmed = confirmed || other.confirmed;
 }
 
 const char* to_string(Verdict verdict) {
@@ -48,6 +62,8 @@ const char* to_string(Verdict verdict) {
       return "map_full";
     case Verdict::kLate:
       return "late";
+    case Verdict::kClutter:
+      return "clutter";
     case Verdict::kTooMany:
       return "too_many";
   }

@@ -18,8 +18,7 @@ CompressedEkf<Space>::CompressedEkf(const EstimatorOptions& options,
 }
 
 template <class Space>
-UpdateReport CompressedEkf<Space>::observe(TimeNs stamp,
-                                           const std::vector<Observation<Space>>& observations) {
+typename CompressedEkf<Space>::Expectation CompressedEkf<Space>::expect(const Observations& observations) {
   if (!observations.empty()) {
     const Point travelled = state_.map_from_base().translation() - centre_;
     if (travelled.norm() > options_.active_hysteresis * options_.active_radius) {
@@ -31,7 +30,30 @@ UpdateReport CompressedEkf<Space>::observe(TimeNs stamp,
       change_region(found);
     }
   }
-  return Base::observe(stamp, observations);
+  return Base::expect(observations);
+}
+
+template <class Space>
+int CompressedEkf<Space>::index_of(int id) {
+  for (int i = 0; i < whole_.landmark_count(); ++i) {
+    if (whole_.info(i).id != id || std::binary_search(active_.begin(), active_.end(), i)) continue;
+    std::set<int> found(active_.begin(), active_.end());
+    found.insert(i);
+    change_region(found);
+  }
+  return Base::index_of(id);
+}
+
+/// The constraint touches the whole map: it is put upon the whole, and the region begins anew.
+template <class Space>
+bool CompressedEkf<Space>::merge(int kept_id, int dropped_id, double gate) {
+  std::vector<int> all;
+  update_whole();
+  for (int i = 0; i < whole_.landmark_count(); ++i) all.push_back(i);
+  activate(std::move(all));
+  const bool merged = Base::merge(kept_id, dropped_id, gate);
+  restore(state_.snapshot());
+  return merged;
 }
 
 template <class Space>
@@ -110,9 +132,10 @@ void CompressedEkf<Space>::add_concerned(const Observation<Space>& observation,
     if (passive.distance > farthest) break;
     Point expected;
     const auto H = this->jacobian(deferred_.landmark(whole_, passive.landmark), &expected);
-    const PointMatrix S = Base::expected_covariance(H, P, deferred_.landmark_by_pose(passive.landmark),
-                                                    whole_.landmark_covariance(passive.landmark)) +
-                          observation.covariance;
+    const auto by_pose = deferred_.landmark_by_pose(passive.landmark);
+    const PointMatrix S =
+        Base::cross(H, H, P, by_pose, by_pose, whole_.landmark_covariance(passive.landmark)) +
+        observation.covariance;
     const Point innovation = z - expected;
     const auto distance = squared_mahalanobis<kPointDim>(innovation, S);
     const bool is_apart =

@@ -22,24 +22,18 @@ class FastSlam<Space>::Prediction : public PredictedMap<Space> {
   Prediction(const FastSlam& slam, const Particle& particle, const std::vector<int>& candidates)
       : slam_(slam), particle_(particle) {
     for (const int track : candidates) {
-      if (particle.map.find(track) != nullptr) tracks_.push_back(track);
+      if (particle.path.landmark(track) != nullptr) tracks_.push_back(track);
     }
   }
   int size() const override { return static_cast<int>(tracks_.size()); }
   const LandmarkInfo& info(int landmark) const override { return slam_.tracks_[tracks_[landmark]].info; }
-  Point point_in_base(int landmark) const override { return predicted(landmark).point_in_base; }
+  Point point_in_base(int landmark) const override { return particle_.path.expected(tracks_[landmark]).mean; }
   PointMatrix covariance(int landmark) const override {
-    const PredictedPoint<Space> point = predicted(landmark);
-    return point.by_pose * particle_.error.covariance * point.by_pose.transpose() +
-           point.by_landmark * particle_.map.find(tracks_[landmark])->covariance *
-               point.by_landmark.transpose();
+    return particle_.path.expected(tracks_[landmark]).covariance;
   }
   int track(int landmark) const { return tracks_[landmark]; }
 
  private:
-  PredictedPoint<Space> predicted(int landmark) const {
-    return predict_point<Space>(particle_.map_from_base, particle_.map.find(tracks_[landmark])->mean);
-  }
   const FastSlam& slam_;
   const Particle& particle_;
   std::vector<int> tracks_;
@@ -54,6 +48,7 @@ FastSlam<Space>::FastSlam(const EstimatorOptions& options,
       random_(static_cast<std::uint64_t>(options.seed), 0),
       particles_(static_cast<std::size_t>(options.particles)),
       weights_(particles_.size(), 1.0 / options.particles),
+      contradictions_(options),
       ids_(associator_->knows_identities()) {
   set_pose(initial);
 }
@@ -66,24 +61,23 @@ void FastSlam<Space>::predict(const MotionStep<Space>& step) {
 template <class Space>
 UpdateReport FastSlam<Space>::observe(TimeNs stamp, const Observations& observations) {
   if (observations.empty()) return {};
-  const Eigen::MatrixXd white = standardized_draws(kPoseDim, options_.particles, &random_);
-  move_particles(white);
+  move_particles();
+  if (options_.type == EstimatorOptions::Type::kFastSlam1) draw_poses(0);
   const std::vector<int> near = candidates(observations);
   std::vector<double> log_weights(particles_.size());
   for (std::size_t m = 0; m < particles_.size(); ++m) {
-    log_weights[m] = std::log(weights_[m]) + weigh(stamp, observations, near, &particles_[m]);
-    draw_pose(white.col(static_cast<Eigen::Index>(m)), &particles_[m]);
-    update_landmarks(stamp, observations, &particles_[m]);
+    log_weights[m] = std::log(weights_[m]) + correct(stamp, observations, near, &particles_[m]);
   }
   weights_ = normalized_weights(log_weights);
   add_landmarks(stamp, observations);
 
   std::set<int> touched;
   for (const Particle& particle : particles_) {
-    for (const Assignment& assignment : particle.assignments) {
-      if (is_accepted(assignment.verdict)) touched.insert(assignment.landmark);
-    }
+    touched.insert(particle.path.window().begin(), particle.path.window().end());
   }
+  draw_poses(options_.type == EstimatorOptions::Type::kFastSlam1
+                 ? 0
+                 : static_cast<std::size_t>(options_.draw_after));
   UpdateReport report = vote(observations.size());
   note(stamp, observations, &report);
   for (const int track : touched) bound(track);
@@ -92,39 +86,36 @@ UpdateReport FastSlam<Space>::observe(TimeNs stamp, const Observations& observat
   return report;
 }
 
-/// Brings the particles to the present. FastSLAM 1.0 draws from the motion now; 2.0 when the landmarks were
-/// seen.
 template <class Space>
-void FastSlam<Space>::move_particles(const Eigen::MatrixXd& white) {
+void FastSlam<Space>::move_particles() {
   constexpr double kLongestTail = 100.0;
-  for (std::size_t m = 0; m < particles_.size(); ++m) {
-    Particle& particle = particles_[m];
+  for (Particle& particle : particles_) {
     double tail = 1.0;  // a Gaussian over the root of an independent chi-square with one dof is a Cauchy
     if (options_.motion_tail == EstimatorOptions::MotionTail::kCauchy) {
       tail = std::min(1.0 / std::abs(random_.normal()), kLongestTail);
     }
-    particle.map_from_base = particle.map_from_base * motion_.delta;
-    particle.error = {PoseVector::Zero(), tail * tail * motion_.covariance};
-    if (options_.type == EstimatorOptions::Type::kFastSlam1) {
-      draw_pose(white.col(static_cast<Eigen::Index>(m)), &particle);
-    }
+    particle.path.move({motion_.delta, tail * tail * motion_.covariance});
   }
   motion_ = {};
 }
 
 template <class Space>
-void FastSlam<Space>::draw_pose(const PoseVector& white, Particle* particle) {
-  const PoseVector local = particle->error.mean + covariance_root(particle->error.covariance) * white;
-  particle->map_from_base = particle->map_from_base * Pose::exp(local);
-  particle->error = {};
+void FastSlam<Space>::draw_poses(std::size_t landmarks) {
+  const Eigen::MatrixXd white = standardized_draws(kPoseDim, options_.particles, &random_);
+  for (std::size_t m = 0; m < particles_.size(); ++m) {
+    if (particles_[m].path.window().size() < landmarks) continue;
+    particles_[m].path.draw(white.col(static_cast<Eigen::Index>(m)));
+  }
 }
 
 template <class Space>
 double FastSlam<Space>::squared_reach(const Observation<Space>& observation) const {
-  const auto by_pose = Space::point_by_pose(observation.position_in_base);
   double variance = 0.0;
   for (const Particle& particle : particles_) {
-    variance = std::max(variance, (by_pose * particle.error.covariance * by_pose.transpose()).trace());
+    const PoseEstimate<Space> pose = particle.path.pose();
+    const typename Space::PointByPose by_pose =
+        Space::point_by_pose(observation.position_in_base) * local_from_error<Space>(pose.map_from_base);
+    variance = std::max(variance, (by_pose * pose.covariance * by_pose.transpose()).trace());
   }
   return kWidestGate * (variance + observation.covariance.trace());
 }
@@ -136,7 +127,7 @@ std::vector<int> FastSlam<Space>::candidates(const Observations& observations) c
   std::vector<double> reach(seen.size());
   for (std::size_t k = 0; k < seen.size(); ++k) {
     for (const Particle& particle : particles_) {
-      seen[k].extend(Point(particle.map_from_base * observations[k].position_in_base));
+      seen[k].extend(Point(particle.path.pose().map_from_base * observations[k].position_in_base));
     }
     reach[k] = squared_reach(observations[k]);
   }
@@ -158,50 +149,35 @@ std::vector<int> FastSlam<Space>::candidates(const Observations& observations) c
   return tracks;
 }
 
+/// The weight is the likelihood of the sightings, given the particle's path and what is not drawn of it.
 template <class Space>
-double FastSlam<Space>::weigh(TimeNs stamp, const Observations& observations,
-                              const std::vector<int>& candidates, Particle* particle) const {
+double FastSlam<Space>::correct(TimeNs stamp, const Observations& observations,
+                                const std::vector<int>& candidates, Particle* particle) const {
   const Prediction prediction(*this, *particle, candidates);
   particle->assignments = associator_->associate(observations, prediction);
-  particle->nis = 0.0;
-  particle->dof = 0;
-  double log_weight = 0.0;
-  // The weight is the likelihood of the sightings given the pose's Gaussian, which they sharpen; in
-  // FastSLAM 1.0 the pose is settled and its Gaussian a point. All are linearised at the same pose: the order
-  // does not matter.
+  std::vector<typename PathParticle<Space>::Sighting> sightings;
   for (std::size_t k = 0; k < observations.size(); ++k) {
     Assignment& assignment = particle->assignments[k];
     if (assignment.landmark >= 0) assignment.landmark = prediction.track(assignment.landmark);
+    if (assignment.verdict != Verdict::kMatched) continue;
+    sightings.push_back({assignment.landmark, observations[k].position_in_base,
+                         measurement_noise(stamp, observations[k], assignment)});
+  }
+  const std::vector<std::optional<Fit>> fits = particle->path.correct(sightings);
+  auto next_fit = fits.begin();
+  particle->nis = 0.0;
+  particle->dof = 0;
+  double log_weight = 0.0;
+  for (std::size_t k = 0; k < observations.size(); ++k) {
+    Assignment& assignment = particle->assignments[k];
     std::optional<Fit> fit;
-    if (assignment.verdict == Verdict::kMatched) {
-      const Landmark& landmark = *particle->map.find(assignment.landmark);
-      const PredictedPoint<Space> point = predict_point<Space>(particle->map_from_base, landmark.mean);
-      const Point innovation = observations[k].position_in_base - point.point_in_base;
-      const PointMatrix noise = point.by_landmark * landmark.covariance * point.by_landmark.transpose() +
-                                measurement_noise(stamp, observations[k], assignment);
-      fit = correct<kPoseDim, kPointDim>(innovation - point.by_pose * particle->error.mean, point.by_pose,
-                                         noise, &particle->error);
-      if (!fit) assignment.verdict = Verdict::kSingular;
-    }
+    if (assignment.verdict == Verdict::kMatched) fit = *next_fit++;
+    if (assignment.verdict == Verdict::kMatched && !fit) assignment.verdict = Verdict::kSingular;
     log_weight += fit ? fit->log_likelihood : log_unexplained(observations[k]);
     if (fit) particle->nis += fit->squared_distance;
     if (fit) particle->dof += kPointDim;
   }
   return log_weight;
-}
-
-template <class Space>
-void FastSlam<Space>::update_landmarks(TimeNs stamp, const Observations& observations,
-                                       Particle* particle) const {
-  for (std::size_t k = 0; k < observations.size(); ++k) {
-    const Assignment& assignment = particle->assignments[k];
-    if (assignment.verdict != Verdict::kMatched) continue;
-    Landmark landmark = *particle->map.find(assignment.landmark);
-    const PredictedPoint<Space> point = predict_point<Space>(particle->map_from_base, landmark.mean);
-    correct<kPointDim, kPointDim>(observations[k].position_in_base - point.point_in_base, point.by_landmark,
-                                  measurement_noise(stamp, observations[k], assignment), &landmark);
-    particle->map.set(assignment.landmark, landmark);
-  }
 }
 
 /// R of a match, larger where the sighting is unlikely or says again what the last one said.
@@ -244,7 +220,7 @@ void FastSlam<Space>::add_landmarks(TimeNs stamp, const Observations& observatio
           track = new_track(stamp, observations[k].signature);
           --free;
         }
-        place(track, observations[k], &particle);
+        particle.path.place(track, observations[k]);
         assignment.landmark = track;
       }
     }
@@ -257,19 +233,11 @@ int FastSlam<Space>::new_track(TimeNs stamp, const Signature& signature) {
       std::find_if(tracks_.begin(), tracks_.end(), [](const Track& old) { return old.holders == 0; });
   if (track == tracks_.end()) track = tracks_.emplace(track);
   *track = {};
+  contradictions_.forget(static_cast<int>(track - tracks_.begin()));
   track->holders = 1;  // at least: the one that asked
   track->info.id = ids_.next(signature);
   track->info.add(stamp, signature);
   return static_cast<int>(track - tracks_.begin());
-}
-
-/// l = pose * z; the pose is settled, so the landmark is as uncertain as the sighting.
-template <class Space>
-void FastSlam<Space>::place(int track, const Observation<Space>& observation, Particle* particle) const {
-  const PointMatrix R = particle->map_from_base.rotation();
-  const PointMatrix covariance = R * observation.covariance * R.transpose();
-  particle->map.set(track, {particle->map_from_base * observation.position_in_base,
-                            covariance.template selfadjointView<Eigen::Lower>()});
 }
 
 template <class Space>
@@ -308,33 +276,27 @@ UpdateReport FastSlam<Space>::vote(std::size_t observations) const {
 /// Keeps what all particles have in common up to date, and turns the report's tracks into ids.
 template <class Space>
 void FastSlam<Space>::note(TimeNs stamp, const Observations& observations, UpdateReport* report) {
-  std::set<int> settled;  // a message counts once for a landmark, and not against one that it matched as well
   for (std::size_t k = 0; k < observations.size(); ++k) {
     const Assignment& assignment = report->assignments[k];
     if (assignment.verdict != Verdict::kMatched) continue;
-    settled.insert(assignment.landmark);
-    Track& track = tracks_[assignment.landmark];
+    LandmarkInfo& info = tracks_[assignment.landmark].info;
     if (fixed_map_) {
-      track.info.last_seen = stamp;  // the next one may be an echo
+      info.last_seen = stamp;  // the next one may be an echo
     } else {
-      track.info.add(stamp, observations[k].signature);
-      track.contradictions = 0;
+      info.add(stamp, observations[k].signature);
     }
   }
-  for (std::size_t k = 0; k < observations.size(); ++k) {
-    Assignment& assignment = report->assignments[k];
-    if (assignment.landmark < 0) continue;
-    Track& track = tracks_[assignment.landmark];
-    if (assignment.verdict == Verdict::kOutsideGate && !fixed_map_ && options_.replace_after > 0 &&
-        settled.insert(assignment.landmark).second) {
-      const int contradictions = ++track.contradictions;
-      if (contradictions >= options_.replace_after &&
-          contradictions >= static_cast<int>(track.info.observations)) {
-        replace(assignment.landmark, stamp, observations[k]);
-        assignment.verdict = Verdict::kCreated;
-      }
+  if (!fixed_map_) {
+    const auto observations_of = [this](int track) {
+      return static_cast<int>(tracks_[track].info.observations);
+    };
+    for (const std::size_t k : contradictions_.misplaced(report->assignments, observations_of)) {
+      replace(report->assignments[k].landmark, stamp, observations[k]);
+      report->assignments[k].verdict = Verdict::kCreated;
     }
-    assignment.landmark = track.info.id;
+  }
+  for (Assignment& assignment : report->assignments) {
+    if (assignment.landmark >= 0) assignment.landmark = tracks_[assignment.landmark].info.id;
   }
 }
 
@@ -345,8 +307,7 @@ void FastSlam<Space>::replace(int track, TimeNs stamp, const Observation<Space>&
   tracks_[track].info = {};
   tracks_[track].info.id = ids_.next(observation.signature);
   tracks_[track].info.add(stamp, observation.signature);
-  tracks_[track].contradictions = 0;
-  for (Particle& particle : particles_) place(track, observation, &particle);
+  for (Particle& particle : particles_) particle.path.place(track, observation);
   bound(track);
 }
 
@@ -358,7 +319,7 @@ void FastSlam<Space>::bound(int index) {
   track.box.setEmpty();
   track.variance = 0.0;
   for (const Particle& particle : particles_) {
-    const Landmark* landmark = particle.map.find(index);
+    const Landmark* landmark = particle.path.landmark(index);
     if (landmark == nullptr) continue;
     ++track.holders;
     track.box.extend(landmark->mean);

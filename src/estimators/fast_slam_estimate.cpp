@@ -12,7 +12,7 @@ std::optional<typename FastSlam<Space>::Landmark> FastSlam<Space>::landmark(int 
   std::vector<Landmark> parts;
   double weight = 0.0;
   for (std::size_t m = 0; m < particles_.size(); ++m) {
-    const Landmark* landmark = particles_[m].map.find(track);
+    const Landmark* landmark = particles_[m].path.landmark(track);
     if (landmark == nullptr) continue;
     parts.push_back(*landmark);
     probabilities.push_back(weights_[m]);
@@ -24,17 +24,25 @@ std::optional<typename FastSlam<Space>::Landmark> FastSlam<Space>::landmark(int 
 }
 
 template <class Space>
+PathParticle<Space> FastSlam<Space>::present(const Particle& particle) const {
+  PathParticle<Space> present = particle.path;
+  present.move(motion_);
+  return present;
+}
+
+/// The covariance is that within the particles plus that between them.
+template <class Space>
 PoseEstimate<Space> FastSlam<Space>::pose() const {
   std::vector<Pose> poses;
   poses.reserve(particles_.size());
-  typename Space::PoseMatrix undrawn = Space::PoseMatrix::Zero();
+  typename Space::PoseMatrix within = Space::PoseMatrix::Zero();
   for (std::size_t m = 0; m < particles_.size(); ++m) {
-    poses.push_back(particles_[m].map_from_base * motion_.delta);
-    const auto T = error_from_local<Space>(poses.back());
-    undrawn += weights_[m] * (T * motion_.covariance * T.transpose());
+    const PoseEstimate<Space> pose = present(particles_[m]).pose();
+    poses.push_back(pose.map_from_base);
+    within += weights_[m] * pose.covariance;
   }
   PoseEstimate<Space> estimate = mean_of_poses<Space>(poses, weights_);
-  const typename Space::PoseMatrix covariance = estimate.covariance + undrawn;
+  const typename Space::PoseMatrix covariance = estimate.covariance + within;
   estimate.covariance = covariance.template selfadjointView<Eigen::Lower>();
   return estimate;
 }
@@ -56,6 +64,32 @@ std::vector<LandmarkEstimate<Space>> FastSlam<Space>::landmarks() const {
     if (found) estimates.push_back({tracks_[track].info, found->mean, found->covariance});
   }
   return estimates;
+}
+
+/// Adds `weight` times the covariances of a particle's pose and window to those of the state whose landmarks
+/// are `tracks`, in ascending order; but for the pose's, and below the diagonal only.
+template <class Space>
+void FastSlam<Space>::add_window(const PathParticle<Space>& path, double weight,
+                                 const std::vector<int>& tracks, Eigen::MatrixXd* covariance) {
+  const auto row_of = [&](int track) -> std::optional<int> {
+    const auto found = std::lower_bound(tracks.begin(), tracks.end(), track);
+    if (found == tracks.end() || *found != track) return std::nullopt;
+    return PathParticle<Space>::row(static_cast<std::size_t>(found - tracks.begin()));
+  };
+  const std::vector<int>& window = path.window();
+  for (std::size_t i = 0; i < window.size(); ++i) {
+    const auto row = row_of(window[i]);
+    if (!row) continue;
+    const auto from = path.covariance().template middleRows<kPointDim>(PathParticle<Space>::row(i));
+    auto to = covariance->template middleRows<kPointDim>(*row);
+    to.template leftCols<kPoseDim>() += weight * from.template leftCols<kPoseDim>();
+    for (std::size_t j = 0; j < window.size(); ++j) {
+      const auto column = row_of(window[j]);
+      if (!column || *column > *row) continue;
+      to.template middleCols<kPointDim>(*column) +=
+          weight * from.template middleCols<kPointDim>(PathParticle<Space>::row(j));
+    }
+  }
 }
 
 template <class Space>
@@ -80,27 +114,28 @@ SlamState<Space> FastSlam<Space>::snapshot() const {
   }
   const auto rows = static_cast<Eigen::Index>(kPointDim * tracks.size());
   state.landmarks_in_map.resize(rows);
-  // P = sum of e e^T, of the particles' errors e times the roots of their weights, and on its diagonal the
-  // covariances that are known anyway.
+  // P = sum of e e^T, of the particles' errors e times the roots of their weights, and what each particle
+  // leaves open; on the diagonal that is known already.
   Eigen::MatrixXd errors =
       Eigen::MatrixXd::Zero(kPoseDim + rows, static_cast<Eigen::Index>(particles_.size()));
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(kPoseDim + rows, kPoseDim + rows);
   for (std::size_t m = 0; m < particles_.size(); ++m) {
+    const PathParticle<Space> path = present(particles_[m]);
     auto error = errors.col(static_cast<Eigen::Index>(m));
-    error.template head<kPoseDim>() =
-        error_from_local<Space>(now.map_from_base) *
-        local_difference<Space>(now.map_from_base, particles_[m].map_from_base * motion_.delta);
+    error.template head<kPoseDim>() = pose_error<Space>(now.map_from_base, path.pose().map_from_base);
     for (std::size_t i = 0; i < tracks.size(); ++i) {
-      const Landmark* landmark = particles_[m].map.find(tracks[i]);
+      const Landmark* landmark = path.landmark(tracks[i]);
       if (landmark == nullptr) continue;
-      error.template segment<kPointDim>(kPoseDim + kPointDim * i) = landmark->mean - means[i].mean;
+      error.template segment<kPointDim>(PathParticle<Space>::row(i)) = landmark->mean - means[i].mean;
     }
     error *= std::sqrt(weights_[m]);
+    add_window(path, weights_[m], tracks, &covariance);
   }
-  Eigen::MatrixXd covariance = errors * errors.transpose();
+  covariance.template selfadjointView<Eigen::Lower>().rankUpdate(errors);
   covariance.template topLeftCorner<kPoseDim, kPoseDim>() = now.covariance;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     state.landmarks_in_map.template segment<kPointDim>(kPointDim * i) = means[i].mean;
-    const auto row = static_cast<Eigen::Index>(kPoseDim + kPointDim * i);
+    const auto row = PathParticle<Space>::row(i);
     covariance.template block<kPointDim, kPointDim>(row, row) = means[i].covariance;
   }
   state.covariance = covariance.template selfadjointView<Eigen::Lower>();
@@ -109,38 +144,14 @@ SlamState<Space> FastSlam<Space>::snapshot() const {
 
 template <class Space>
 void FastSlam<Space>::restore(const SlamState<Space>& state) {
-  const auto points = state.landmarks_in_map.size();
-  // Given the pose's error A w, w white, the landmarks are P_lx A^-T w off, and as uncertain as that leaves
-  // them.
-  const typename Space::PoseMatrix P = state.covariance.template topLeftCorner<kPoseDim, kPoseDim>();
-  const typename Space::PoseMatrix A = covariance_root(P);
-  Eigen::MatrixXd by_pose = state.covariance.bottomLeftCorner(points, kPoseDim);
-  if (A.isZero(0.0)) {
-    by_pose.setZero();
-  } else {
-    A.transpose().template triangularView<Eigen::Upper>().template solveInPlace<Eigen::OnTheRight>(by_pose);
-  }
-  const Eigen::MatrixXd white = standardized_draws(kPoseDim, options_.particles, &random_);
-  ids_.clear();
-  tracks_.assign(state.infos.size(), {});
-  for (std::size_t m = 0; m < particles_.size(); ++m) {
-    const PoseVector w = white.col(static_cast<Eigen::Index>(m));
-    particles_[m] = {};
-    particles_[m].map_from_base =
-        Space::retract(state.map_from_base, local_from_error<Space>(state.map_from_base) * A * w);
-    for (std::size_t i = 0; i < tracks_.size(); ++i) {
-      const auto row = static_cast<Eigen::Index>(kPointDim * i);
-      const auto gain = by_pose.template middleRows<kPointDim>(row);
-      const PointMatrix covariance =
-          state.covariance.template block<kPointDim, kPointDim>(kPoseDim + row, kPoseDim + row) -
-          gain * gain.transpose();
-      particles_[m].map.set(static_cast<int>(i),
-                            {state.landmarks_in_map.template segment<kPointDim>(row) + gain * w,
-                             covariance.template selfadjointView<Eigen::Lower>()});
-    }
-  }
+  const PathParticle<Space> undrawn(state);
+  for (Particle& particle : particles_) particle = {undrawn, {}, 0.0, 0};
+  draw_poses(0);
   std::fill(weights_.begin(), weights_.end(), 1.0 / static_cast<double>(weights_.size()));
   motion_ = {};
+  ids_.clear();
+  contradictions_.clear();
+  tracks_.assign(state.infos.size(), {});
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     tracks_[i].info = state.infos[i];
     ids_.take(state.infos[i].id);
@@ -151,10 +162,7 @@ void FastSlam<Space>::restore(const SlamState<Space>& state) {
 
 template <class Space>
 void FastSlam<Space>::set_pose(const PoseEstimate<Space>& pose) {
-  for (Particle& particle : particles_) {
-    particle.map_from_base = pose.map_from_base;
-    particle.error = {};
-  }
+  for (Particle& particle : particles_) particle.path.set_pose(pose.map_from_base);
   const typename Space::PoseMatrix to_local = local_from_error<Space>(pose.map_from_base);
   const typename Space::PoseMatrix covariance = to_local * pose.covariance * to_local.transpose();
   motion_ = {Pose(), covariance.template selfadjointView<Eigen::Lower>()};

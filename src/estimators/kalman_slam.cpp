@@ -2,33 +2,27 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "kinect_ekf_slam/association/gate.h"
 
 namespace kinect_ekf_slam {
 
-/// The associator's view of the filter.
 template <class Space>
-class KalmanSlam<Space>::Expectation : public PredictedMap<Space> {
- public:
-  explicit Expectation(const KalmanSlam& filter) : filter_(filter), state_(filter.state_) {}
-  int size() const override { return state_.landmark_count(); }
-  const LandmarkInfo& info(int landmark) const override { return state_.info(landmark); }
-  Point point_in_base(int landmark) const override {
-    return predict_point<Space>(state_.map_from_base(), state_.landmark(landmark)).point_in_base;
-  }
-  PointMatrix covariance(int landmark) const override {  // H P H^T
-    return expected_covariance(filter_.jacobian(state_.landmark(landmark)), state_.pose_covariance(),
-                               state_.lower().template block<kPointDim, kPoseDim>(state_.row(landmark), 0),
-                               state_.landmark_covariance(landmark));
-  }
+typename Space::Point KalmanSlam<Space>::Expectation::point_in_base(int landmark) const {
+  const GaussianState<Space>& state = filter_->state_;
+  return predict_point<Space>(state.map_from_base(), state.landmark(landmark)).point_in_base;
+}
 
- private:
-  const KalmanSlam& filter_;
-  const GaussianState<Space>& state_;
-};
+/// H_a P H_b^T.
+template <class Space>
+typename Space::PointMatrix KalmanSlam<Space>::Expectation::cross_covariance(int a, int b) const {
+  const GaussianState<Space>& state = filter_->state_;
+  const Jacobian H_a = filter_->jacobian(state.landmark(a));
+  const Jacobian H_b = a == b ? H_a : filter_->jacobian(state.landmark(b));
+  return cross(H_a, H_b, state.pose_covariance(), state.landmark_by_pose(a), state.landmark_by_pose(b),
+               state.landmark_covariance(a, b));
+}
 
 template <class Space>
 void KalmanSlam<Space>::predict(const MotionStep<Space>& step) {
@@ -38,10 +32,21 @@ void KalmanSlam<Space>::predict(const MotionStep<Space>& step) {
 }
 
 template <class Space>
-UpdateReport KalmanSlam<Space>::observe(TimeNs stamp, const std::vector<Observation<Space>>& observations) {
-  UpdateReport report;
-  report.assignments = associator_->associate(observations, Expectation(*this));
+UpdateReport KalmanSlam<Space>::observe(TimeNs stamp, const Observations& observations) {
+  std::vector<Assignment> assignments = associator_->associate(observations, expect(observations));
+  return apply(stamp, observations, std::move(assignments));
+}
 
+template <class Space>
+typename KalmanSlam<Space>::Expectation KalmanSlam<Space>::expect(const Observations& /*observations*/) {
+  return Expectation(*this);
+}
+
+template <class Space>
+UpdateReport KalmanSlam<Space>::apply(TimeNs stamp, const Observations& observations,
+                                      std::vector<Assignment> assignments) {
+  UpdateReport report;
+  report.assignments = std::move(assignments);
   std::vector<Match> matches;
   std::vector<std::size_t> unmapped;
   for (std::size_t k = 0; k < observations.size(); ++k) {
@@ -56,7 +61,8 @@ UpdateReport KalmanSlam<Space>::observe(TimeNs stamp, const std::vector<Observat
     for (const Match& match : matches) report.assignments[match.observation].verdict = Verdict::kSingular;
   }
   for (Assignment& assignment : report.assignments) {
-    if (assignment.landmark >= 0) assignment.landmark = state_.info(assignment.landmark).id;
+    const bool is_index = assignment.landmark >= 0 && assignment.verdict != Verdict::kCreated;
+    if (is_index) assignment.landmark = state_.info(assignment.landmark).id;
   }
   for (const std::size_t k : unmapped) {
     Assignment& assignment = report.assignments[k];
@@ -65,18 +71,18 @@ UpdateReport KalmanSlam<Space>::observe(TimeNs stamp, const std::vector<Observat
     } else if (map_size() >= options_.max_landmarks) {
       assignment.verdict = Verdict::kMapFull;
     } else {
-      add_landmark(stamp, observations[k]);
+      add_landmark(stamp, observations[k], assignment.landmark);
       assignment.landmark = state_.info(state_.landmark_count() - 1).id;
     }
   }
-  if (!map_fixed_ && options_.replace_after > 0) replace_if_contradicted(stamp, observations, &report);
+  if (!map_fixed_) replace_if_contradicted(stamp, observations, &report);
   return report;
 }
 
 /// The Kalman update, all matches at once: equations (4.5) to (4.9). False, and nothing changed, when S is
 /// not positive definite.
 template <class Space>
-bool KalmanSlam<Space>::update(TimeNs stamp, const std::vector<Observation<Space>>& observations,
+bool KalmanSlam<Space>::update(TimeNs stamp, const Observations& observations,
                                const std::vector<Match>& matches, UpdateReport* report) {
   predict_measurement(matches, &predicted_);
   Eigen::VectorXd innovation = -predicted_.mean;  // nu
@@ -108,10 +114,8 @@ bool KalmanSlam<Space>::update(TimeNs stamp, const std::vector<Observation<Space
   } else {
     P.template selfadjointView<Eigen::Lower>().rankUpdate(weighted, -1.0);
     retract(weighted * whitened);
-    for (const Match& match : matches) {
+    for (const Match& match : matches)
       state_.info(match.landmark).add(stamp, observations[match.observation].signature);
-      contradictions_.erase(state_.info(match.landmark).id);
-    }
   }
   corrected(matches, cholesky, weighted, whitened);
   report->nis = whitened.squaredNorm();
@@ -131,40 +135,30 @@ void KalmanSlam<Space>::retract(const Eigen::Ref<const Eigen::VectorXd>& error) 
 
 /// l = pose * z with its full cross-covariance, equations (4.11) and (4.12).
 template <class Space>
-void KalmanSlam<Space>::add_landmark(TimeNs stamp, const Observation<Space>& observation) {
+void KalmanSlam<Space>::add_landmark(TimeNs stamp, const Observation<Space>& observation, int id) {
   const Point& z = observation.position_in_base;
   const typename Space::Pose& pose = state_.map_from_base();
   const PointMatrix by_measurement = pose.rotation();
   const typename Space::PointByPose by_pose =
       -by_measurement * Space::point_by_pose(z) * local_from_error<Space>(pose);
   LandmarkInfo info;
-  info.id = ids_.next(observation.signature);
+  info.id = id == kNoId ? ids_.next(observation.signature) : id;
+  ids_.take(info.id);
   info.add(stamp, observation.signature);
   insert_landmark(std::move(info), pose * z, by_pose,
                   by_measurement * observation.covariance * by_measurement.transpose());
 }
 
 template <class Space>
-void KalmanSlam<Space>::replace_if_contradicted(TimeNs stamp,
-                                                const std::vector<Observation<Space>>& observations,
+void KalmanSlam<Space>::replace_if_contradicted(TimeNs stamp, const Observations& observations,
                                                 UpdateReport* report) {
-  std::set<int> settled;  // a message counts once for a landmark, and not against one that it matched as well
-  for (const Assignment& assignment : report->assignments) {
-    if (assignment.verdict == Verdict::kMatched) settled.insert(assignment.landmark);
-  }
-  for (std::size_t k = 0; k < observations.size(); ++k) {
+  const auto observations_of = [this](int id) {
+    return static_cast<int>(state_.info(index_of(id)).observations);
+  };
+  for (const std::size_t k : contradictions_.misplaced(report->assignments, observations_of)) {
     Assignment& assignment = report->assignments[k];
-    if (assignment.verdict != Verdict::kOutsideGate || !settled.insert(assignment.landmark).second) continue;
-    int index = 0;
-    while (index < state_.landmark_count() && state_.info(index).id != assignment.landmark) ++index;
-    if (index == state_.landmark_count()) continue;
-    const LandmarkInfo& info = state_.info(index);
-    const int contradictions = ++contradictions_[info.id];
-    if (contradictions < options_.replace_after || contradictions < static_cast<int>(info.observations)) {
-      continue;
-    }
-    ids_.misplaced(info);
-    contradictions_.erase(info.id);
+    const int index = index_of(assignment.landmark);
+    ids_.misplaced(state_.info(index));
     remove_landmark(index);
     add_landmark(stamp, observations[k]);
     assignment.verdict = Verdict::kCreated;
@@ -181,13 +175,17 @@ typename KalmanSlam<Space>::Jacobian KalmanSlam<Space>::jacobian(const Point& la
   return {predicted.by_pose * local_from_error<Space>(pose), predicted.by_landmark};
 }
 
+/// H_a P H_b^T of two landmarks, or of one with itself.
 template <class Space>
-typename Space::PointMatrix KalmanSlam<Space>::expected_covariance(
-    const Jacobian& H, const PoseMatrix& pose, const typename Space::PointByPose& landmark_by_pose,
-    const PointMatrix& landmark) {
-  const PointMatrix mixed = H.by_landmark * landmark_by_pose * H.by_pose.transpose();
-  return H.by_pose * pose * H.by_pose.transpose() + mixed + mixed.transpose() +
-         H.by_landmark * landmark * H.by_landmark.transpose();
+typename Space::PointMatrix KalmanSlam<Space>::cross(const Jacobian& H_a, const Jacobian& H_b,
+                                                     const PoseMatrix& pose,
+                                                     const typename Space::PointByPose& a_by_pose,
+                                                     const typename Space::PointByPose& b_by_pose,
+                                                     const PointMatrix& a_by_b) {
+  return H_a.by_pose * pose * H_b.by_pose.transpose() +
+         H_a.by_landmark * a_by_pose * H_b.by_pose.transpose() +
+         H_a.by_pose * b_by_pose.transpose() * H_b.by_landmark.transpose() +
+         H_a.by_landmark * a_by_b * H_b.by_landmark.transpose();
 }
 
 template <class Space>
@@ -196,6 +194,63 @@ typename Space::PointMatrix KalmanSlam<Space>::measurement_noise(TimeNs stamp,
                                                                  const Match& match) const {
   return matched_noise<Space>(observation, state_.info(match.landmark), stamp, match.squared_distance,
                               options_.robust_threshold);
+}
+
+template <class Space>
+int KalmanSlam<Space>::index_of(int id) {
+  for (int i = 0; i < state_.landmark_count(); ++i) {
+    if (state_.info(i).id == id) return i;
+  }
+  return -1;
+}
+
+template <class Space>
+bool KalmanSlam<Space>::set_confirmed(int id, bool confirmed) {
+  const int index = index_of(id);
+  if (index >= 0) state_.info(index).confirmed = confirmed;
+  return index >= 0;
+}
+
+template <class Space>
+const LandmarkInfo* KalmanSlam<Space>::find(int id) {
+  const int index = index_of(id);
+  return index < 0 ? nullptr : &state_.info(index);
+}
+
+template <class Space>
+bool KalmanSlam<Space>::remove(int id) {
+  const int index = index_of(id);
+  if (index >= 0) remove_landmark(index);
+  contradictions_.forget(id);
+  return index >= 0;
+}
+
+/// The Kalman update by 0 = l_kept - l_dropped, equation (10.1).
+template <class Space>
+bool KalmanSlam<Space>::merge(int kept_id, int dropped_id, double gate) {
+  const int kept = index_of(kept_id);
+  const int dropped = index_of(dropped_id);
+  if (kept < 0 || dropped < 0 || kept == dropped) return false;
+  const Point innovation = state_.landmark(dropped) - state_.landmark(kept);
+  Eigen::MatrixXd weighted = Eigen::MatrixXd::Zero(state_.size(), kPointDim);  // P H^T
+  state_.add_weighted_columns(state_.row(kept), PointMatrix::Identity(), weighted);
+  state_.add_weighted_columns(state_.row(dropped), -PointMatrix::Identity(), weighted);
+  constexpr double kSame = 1e-6;  // m^2: how far apart the centres of one landmark's two estimates may lie
+  const PointMatrix S = weighted.template middleRows<kPointDim>(state_.row(kept)) -
+                        weighted.template middleRows<kPointDim>(state_.row(dropped)) +
+                        kSame * PointMatrix::Identity();
+  const Eigen::LLT<PointMatrix> cholesky(S);
+  if (cholesky.info() != Eigen::Success) return false;
+  const Point whitened = cholesky.matrixL().solve(innovation);
+  if (!(whitened.squaredNorm() < gate)) return false;
+  cholesky.matrixL().transpose().template solveInPlace<Eigen::OnTheRight>(weighted);
+  auto P = state_.lower();
+  P.template selfadjointView<Eigen::Lower>().rankUpdate(weighted, -1.0);
+  retract(weighted * whitened);
+  state_.info(kept).absorb(state_.info(dropped));
+  remove_landmark(dropped);
+  contradictions_.forget(dropped_id);
+  return true;
 }
 
 template <class Space>

@@ -1,5 +1,8 @@
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,43 +15,52 @@
 #include "kinect_ekf_slam/simulation/world.h"
 #include "kinect_ekf_slam/study/consistency_study.h"
 #include "kinect_ekf_slam/study/kidnapped_study.h"
+#include "kinect_ekf_slam/study/patrol_study.h"
+#include "kinect_ekf_slam/study/robustness_study.h"
 #include "kinect_ekf_slam/study/room_study.h"
 
 namespace {
 
 constexpr const char* kUsage =
-    "usage: slam_study room [--world FILE.yaml] [--seeds N] [--config FILE.yaml] [--set group/key=value "
-    "...]\n"
-    "                       [--json FILE]\n"
-    "       slam_study chain [as room] [--detect group/key=value ...] [--picture-rate HZ]\n"
-    "       slam_study kidnapped [--world FILE.yaml] [--seeds N] [--config FILE.yaml] [--set group/key=value "
-    "...]\n"
+    "usage: slam_study room [--world FILE.yaml] [--seeds N] [--first-seed N] [--config FILE.yaml]\n"
+    "                       [--set group/key=value ...] [--json FILE]\n"
+    "       slam_study chain [--detect group/key=value ...] [--picture-rate HZ] (as room)\n"
+    "       slam_study robustness (as room)\n"
+    "       slam_study kidnapped (as room, without --json)\n"
+    "       slam_study patrol [--minutes N] (as room, without --seeds, --first-seed and --json)\n"
     "       slam_study consistency [--space planar|spatial] [--sensor kinect|far] [--seeds N] [--loops N]\n"
     "                       [--json FILE]\n"
     "\n"
-    "room: simulates one world with many seeds, runs each through the SLAM pipeline in memory, and compares "
-    "with\n"
-    "the truth. kidnapped: robots put down anywhere in the world look for themselves in its map.\n"
-    "  --world FILE.yaml       default: config/worlds/room.yaml\n"
+    "room: simulates one world with many seeds, runs each through the SLAM pipeline in memory, and\n"
+    "compares with the truth.\n"
+    "chain: the same, but what is seen is what a detector finds in rendered pictures.\n"
+    "robustness: as room, with one fault of the sensors after the other from none to gross, beside what a\n"
+    "textbook's association makes of it.\n"
+    "kidnapped: robots put down anywhere in the world look for themselves in its map.\n"
+    "patrol: round and round in one world: do map, memory and time per update stay as they are?\n"
+    "  --world FILE.yaml       default: config/worlds/room.yaml; robustness and patrol: room_hard.yaml\n"
     "  --config FILE.yaml      parameters that differ from config/slam.yaml; may be given more than once\n"
     "  --set group/key=value   one parameter, over all files\n"
-    "chain: the same, but what is seen is what a detector finds in rendered pictures\n"
-    "  --detect group/key=value  of landmark_detector_node, for example detector/type=features; default: "
-    "those "
-    "of\n"
-    "                          config/detector.yaml and the labels of config/palette.yaml\n"
+    "  --first-seed N          the others follow it; default: 1\n"
+    "  --detect group/key=value\n"
+    "                          one parameter of landmark_detector_node, for example\n"
+    "                          detector/type=features; default: those of config/detector.yaml and the\n"
+    "                          labels of config/palette.yaml\n"
     "  --picture-rate HZ       default: the world's camera/rate, or 5\n"
-    "consistency: many loops with exactly the noise that the filters assume: do their covariances tell the "
-    "truth?\n"
+    "  --minutes N             of simulated time; default: 60\n"
+    "consistency: many loops with exactly the noise that the filters assume: do their covariances tell\n"
+    "the truth?\n"
     "  --space                 default: planar\n"
     "  --sensor                kinect: 0.6 to 2.6 m, far: up to 5 m, both 57 degrees wide; default: kinect\n"
     "  --loops N               default: 10\n"
     "All:\n"
-    "  --seeds N               seeds 1 to N; default: 100, chain: 20, consistency: 50\n"
-    "  --json FILE             write the figures, also those of each seed or time, there; not of kidnapped\n"
+    "  --seeds N               how many, each a run; default: 100, chain: 20, consistency: 50\n"
+    "  --json FILE             write the figures, also those of each seed or time, there\n"
     "Exit: 0 done, 2 the input cannot be used (one line says why).\n";
 
 constexpr int kMostSeeds = 1000000;
+constexpr const char* kRoom = "config/worlds/room.yaml";
+constexpr const char* kHardRoom = "config/worlds/room_hard.yaml";
 
 using kinect_ekf_slam::CommandLine;
 
@@ -72,40 +84,52 @@ void write(const std::string& path, const std::string& json) {
   if (!path.empty()) kinect_ekf_slam::write_file_atomically(path, json);
 }
 
+void append(const std::vector<std::string>& more, std::vector<std::string>* list) {
+  list->insert(list->end(), more.begin(), more.end());
+}
+
 /// A study of a simulated room, and where its figures go.
 struct RoomRequest {
   kinect_ekf_slam::RoomStudy study;
   std::string json;
   std::vector<std::string> detect;  ///< assignments to the detector's parameters
   double picture_rate = 0.0;        ///< Hz; 0: the world's
+  int minutes = 60;
 };
 
-RoomRequest parse_room(CommandLine* words, bool is_chain = false) {
+/// `own`: the options of this study besides --world, --config and --set, which every one has.
+RoomRequest parse_room(CommandLine* words, const std::vector<std::string>& own, std::string world = kRoom,
+                       int seeds = 100) {
   RoomRequest request;
-  std::string world = "config/worlds/room.yaml";
   std::vector<std::string> configs;
   std::vector<std::string> settings;
-  request.study.seeds = is_chain ? 20 : 100;
+  request.study.seeds = seeds;
   while (words->next()) {
     const std::string& word = words->word();
-    if (is_chain && word == "--detect") {
-      const std::vector<std::string> more = words->assignments();
-      request.detect.insert(request.detect.end(), more.begin(), more.end());
-    } else if (is_chain && word == "--picture-rate") {
-      request.picture_rate = words->number(0.1, 1000.0, "Hz, from 0.1 to 1000");
-    } else if (word == "--world") {
+    const auto is_own = [&](const char* option) {
+      return word == option && std::find(own.begin(), own.end(), word) != own.end();
+    };
+    if (word == "--world") {
       world = words->value();
-    } else if (word == "--seeds") {
-      request.study.seeds = seed_count(words);
     } else if (word == "--config") {
       configs.push_back(words->value());
     } else if (word == "--set") {
-      const std::vector<std::string> more = words->assignments();
-      settings.insert(settings.end(), more.begin(), more.end());
-    } else if (word == "--json") {
+      append(words->assignments(), &settings);
+    } else if (is_own("--seeds")) {
+      request.study.seeds = seed_count(words);
+    } else if (is_own("--first-seed")) {
+      request.study.first_seed = words->number<std::uint64_t>(
+          0, kMostSeeds, "a whole number from 0 to " + std::to_string(kMostSeeds));
+    } else if (is_own("--json")) {
       request.json = words->value();
+    } else if (is_own("--detect")) {
+      append(words->assignments(), &request.detect);
+    } else if (is_own("--picture-rate")) {
+      request.picture_rate = words->number(0.1, 1000.0, "Hz, from 0.1 to 1000");
+    } else if (is_own("--minutes")) {
+      request.minutes = words->number(1, 100000, "a whole number from 1 to 100000");
     } else {
-      words->fail_at_word("unknown option of this study");
+      words->fail_at_word("not an option of this study");
     }
   }
   request.study.world = kinect_ekf_slam::read_world(world);
@@ -118,13 +142,15 @@ RoomRequest parse_room(CommandLine* words, bool is_chain = false) {
   return request;
 }
 
-void study_room(const RoomRequest& request) {
+void run(const RoomRequest& request) {
   const std::vector<kinect_ekf_slam::RoomRun> runs = kinect_ekf_slam::run_study(request.study);
   const kinect_ekf_slam::RoomSummary summary = kinect_ekf_slam::summarize(runs);
   kinect_ekf_slam::clear_progress_bar();
   std::fputs(kinect_ekf_slam::to_table(summary).c_str(), stdout);
   write(request.json, kinect_ekf_slam::to_json(summary, runs));
 }
+
+void study_room(CommandLine* words) { run(parse_room(words, {"--seeds", "--first-seed", "--json"})); }
 
 kinect_ekf_slam::DetectorOptions detector_options(const std::vector<std::string>& assignments) {
   YAML::Node yaml = YAML::LoadFile("config/detector.yaml");
@@ -138,7 +164,8 @@ kinect_ekf_slam::DetectorOptions detector_options(const std::vector<std::string>
 
 /// From pictures to the map.
 void study_chain(CommandLine* words) {
-  RoomRequest request = parse_room(words, true);
+  RoomRequest request =
+      parse_room(words, {"--seeds", "--first-seed", "--json", "--detect", "--picture-rate"}, kRoom, 20);
   constexpr double kUsualRate = 5.0;  // Hz
   double& rate = request.study.world.pictures.rate;
   if (request.picture_rate > 0.0) rate = request.picture_rate;
@@ -150,17 +177,37 @@ void study_chain(CommandLine* words) {
       return detector->detect(picture, up_in_optical);
     };
   };
-  study_room(request);
+  run(request);
+}
+
+void study_robustness(CommandLine* words) {
+  const RoomRequest request = parse_room(words, {"--seeds", "--first-seed", "--json"}, kHardRoom);
+  const auto sweeps = kinect_ekf_slam::run_robustness(request.study, kinect_ekf_slam::common_faults());
+  kinect_ekf_slam::clear_progress_bar();
+  std::fputs(kinect_ekf_slam::to_table(sweeps).c_str(), stdout);
+  write(request.json, kinect_ekf_slam::to_json(sweeps));
+}
+
+void study_patrol(CommandLine* words) {
+  const RoomRequest request = parse_room(words, {"--minutes"}, kHardRoom);
+  kinect_ekf_slam::PatrolStudy study;
+  study.world = request.study.world;
+  study.pipeline = request.study.pipeline;
+  study.minutes = request.minutes;
+  study.on_progress = request.study.on_progress;
+  const auto patrol = kinect_ekf_slam::run_study(study);
+  kinect_ekf_slam::clear_progress_bar();
+  std::fputs(kinect_ekf_slam::to_table(patrol).c_str(), stdout);
 }
 
 void study_kidnapped(CommandLine* words) {
-  const RoomRequest request = parse_room(words);
-  if (!request.json.empty()) words->fail("--json: kidnapped writes none");
+  const RoomRequest request = parse_room(words, {"--seeds", "--first-seed"});
   if (request.study.world.is_spatial()) words->fail("kidnapped: the world must be a planar one");
   kinect_ekf_slam::KidnappedStudy study;
   study.world = request.study.world;
   study.pipeline = request.study.pipeline;
   study.robots = request.study.seeds;
+  study.first_seed = request.study.first_seed;
   study.on_progress = request.study.on_progress;
   for (const bool looks : {true, false}) {
     study.looks = looks;
@@ -212,17 +259,15 @@ int main(int argc, char** argv) {
   CommandLine words("slam_study", kUsage, argc, argv);
   try {
     const std::string study = words.next() ? words.word() : "";
-    if (study == "room") {
-      study_room(parse_room(&words));
-    } else if (study == "chain") {
-      study_chain(&words);
-    } else if (study == "consistency") {
-      study_consistency(&words);
-    } else if (study == "kidnapped") {
-      study_kidnapped(&words);
-    } else {
-      words.fail("'" + study + "' given, allowed: room, chain, kidnapped, consistency; see --help");
+    const std::map<std::string, void (*)(CommandLine*)> studies = {
+        {"room", study_room},           {"chain", study_chain},   {"robustness", study_robustness},
+        {"kidnapped", study_kidnapped}, {"patrol", study_patrol}, {"consistency", study_consistency}};
+    const auto chosen = studies.find(study);
+    if (chosen == studies.end()) {
+      words.fail("'" + study +
+                 "' given, allowed: room, chain, robustness, kidnapped, patrol, consistency; see --help");
     }
+    chosen->second(&words);
   } catch (const std::exception& error) {
     words.fail(error.what());
   }

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "kinect_ekf_slam/core/angles.h"
-#include "kinect_ekf_slam/estimators/factory.h"
+#include "kinect_ekf_slam/mapping/slam_factory.h"
 #include "kinect_ekf_slam/pipeline/relocalizer.h"
 
 namespace kinect_ekf_slam {
@@ -89,8 +89,8 @@ class SpacePipeline : public SlamPipeline {
         relocalize_when_lost_(options.relocalize_when_lost),
         sensor_(options.sensor),
         motion_(options.input, options.motion),
-        estimator_(make_estimator<Space>(options.estimator, options.association,
-                                         to_estimate<Space>(initial_pose(options.initial_pose)))),
+        estimator_(make_slam<Space>(options.estimator, options.association, options.life_cycle,
+                                    to_estimate<Space>(initial_pose(options.initial_pose)))),
         dead_reckoned_(estimator_->pose().map_from_base) {
     set_mode(options.mode);
   }
@@ -134,6 +134,7 @@ class SpacePipeline : public SlamPipeline {
       landmark.label = estimate.info.label();
       landmark.radius = estimate.info.radius;
       landmark.observations = estimate.info.observations;
+      landmark.confirmed = estimate.info.confirmed;
       landmark.position_in_map = Space::to_3d(estimate.position_in_map);
       landmark.covariance.template topLeftCorner<Space::kPointDim, Space::kPointDim>() = estimate.covariance;
       map.push_back(std::move(landmark));
@@ -227,16 +228,23 @@ class SpacePipeline : public SlamPipeline {
         const Detection seen = with_noise(detections[i], sensor_);
         Observation<Space> observation{Space::from_3d(seen.position_in_base),
                                        Space::from_3d(seen.covariance_in_base), sensor_.correlation_time,
-                                       seen.signature};
+                                       seen.signature, static_cast<int>(i)};
         if (!is_covariance(observation.covariance)) continue;  // stays invalid
         detection_of_observation.push_back(i);
         observations.push_back(std::move(observation));
       }
     }
-    if (!observations.empty()) {
-      const UpdateReport report = estimate(observations);
+    if (!late) {
+      UpdateReport report = estimate(observations);
       result->nis = report.nis;
       result->dof = report.dof;
+      result->removed = std::move(report.removed);
+      result->merged = std::move(report.merged);
+      for (const Revision& revision : report.revisions) {
+        const Assignment& assignment = revision.assignment;
+        result->revisions.push_back({revision.stamp, revision.detection, assignment.verdict,
+                                     assignment.landmark, assignment.squared_distance});
+      }
       for (std::size_t k = 0; k < observations.size(); ++k) {
         DetectionOutcome& outcome = result->outcomes[detection_of_observation[k]];
         outcome.verdict = report.assignments[k].verdict;
@@ -254,6 +262,7 @@ class SpacePipeline : public SlamPipeline {
     UpdateReport report;
     if (relocalizer_.is_searching()) {
       report.assignments.assign(observations.size(), {Verdict::kAmbiguous});
+      if (observations.empty()) return report;
       if (const auto found = relocalizer_.search(observations)) {
         estimator_->set_pose(*found);
         dead_reckoned_ = found->map_from_base;

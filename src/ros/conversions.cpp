@@ -135,7 +135,7 @@ LandmarkMap to_message(const std::vector<Landmark3d>& map, const std::string& fr
     Eigen::Map<RowMajor3d>(entry.covariance.data()) = landmark.covariance;
     entry.radius = static_cast<float>(landmark.radius);
     entry.observations = landmark.observations;
-    entry.status = Landmark::CONFIRMED;
+    entry.status = landmark.confirmed ? Landmark::CONFIRMED : Landmark::PROVISIONAL;
     message.landmarks.push_back(entry);
   }
   return message;

@@ -143,6 +143,9 @@ void visit(Visitor& v, EstimatorOptions& o, PipelineOptions& pipeline) {
             "known identities: in a row that contradict a landmark place it anew; 0: never");
   v.integer("estimator/max_landmarks", &o.max_landmarks, 1, 1000000, "landmarks", "more are refused");
   v.integer("estimator/particles", &o.particles, 1, 100000, "particles", "FastSLAM");
+  v.integer("estimator/draw_after", &o.draw_after, 1, 1000, "landmarks",
+            "fastslam2: seen before the pose is drawn; until then a particle is a Kalman filter of pose and "
+            "those; 1: drawn at each sighting");
   v.number("estimator/resample_below", &o.resample_below, 0.0, 1.0, "-",
            "FastSLAM: resampled when a smaller share of the particles is effective");
   v.choice<EstimatorOptions::MotionTail>(
@@ -176,19 +179,63 @@ void visit(Visitor& v, AssociationOptions& o) {
   v.choice<AssociationOptions::Type>(
       "association/type", &o.type,
       {{"known", AssociationOptions::Type::kKnown},
-       {"nearest_neighbor", AssociationOptions::Type::kNearestNeighbor}},
-      "known: by the detection's id; nearest_neighbor: by Mahalanobis distance");
+       {"nearest_neighbor", AssociationOptions::Type::kNearestNeighbor},
+       {"jcbb", AssociationOptions::Type::kJointCompatibility},
+       {"multi_hypothesis", AssociationOptions::Type::kMultiHypothesis}},
+      "known: by the detection's id; nearest_neighbor: by Mahalanobis distance; jcbb: of all sightings of "
+      "one "
+      "time together; multi_hypothesis: several maps, until what is seen decides between them");
   v.number("association/gate_probability", &o.gate_probability, 1e-6, 1.0 - 1e-12, "-",
            "share of true sightings that the gate lets through: 0.975 is alpha = 7.378 in the plane");
   v.number("association/new_landmark_probability", &o.new_landmark_probability, 1e-6, 1.0 - 1e-12, "-",
-           "nearest_neighbor: a detection outside this gate of every landmark is a new one");
+           "nearest_neighbor, jcbb: a detection outside this gate of every landmark is a new one");
   v.number("association/new_landmark_distance", &o.new_landmark_distance, 0.0, kInfinity, "m",
-           "nearest_neighbor: a detection nearer than this to a landmark is never a new one");
+           "a detection nearer than this to a landmark is never a new one, unless identities are known");
+  v.integer("association/joint_work", &o.joint_work, 1, 10000000, "pairings",
+            "jcbb: that one message may try; then the best so far is taken");
+  v.number("association/clutter_density", &o.clutter_density, 1e-12, 1e6, "1/m^2",
+           "multi_hypothesis: false detections of a look per area (in space 1/m^3)");
+  v.number("association/new_landmark_density", &o.new_landmark_density, 1e-12, 1e6, "1/m^2",
+           "multi_hypothesis: detections of unmapped landmarks of a look per area (in space 1/m^3)");
+  v.integer("association/max_hypotheses", &o.max_hypotheses, 1, 1000, "maps",
+            "multi_hypothesis: that are kept at a time");
+  v.number("association/decide_after", &o.decide_after, 0.0, 3600.0, "s",
+           "multi_hypothesis: what the likeliest one held so long ago is final");
+  v.number("association/prune_width", &o.prune_width, 0.0, 1e3, "-",
+           "multi_hypothesis: those so much less likely, as log ratio, are dropped");
+  v.number("association/branch_width", &o.branch_width, 0.0, 1e3, "-",
+           "multi_hypothesis: likewise, ways to explain one message");
+  v.number("association/clutter_width", &o.clutter_width, 0.0, 1e3, "-",
+           "multi_hypothesis: likewise, taking a detection for nothing");
+  v.number("association/label_error", &o.label_error, 1e-6, 0.5, "-",
+           "share of the labels that are misread; 0.5: labels are not compared");
+  v.number("association/radius_sigma", &o.radius_sigma, 0.0, 100.0, "m",
+           "of a detection's radius; 0: radii are not compared");
+  v.number("association/descriptor_sigma", &o.descriptor_sigma, 0.0, kInfinity, "-",
+           "length of the difference of two descriptors of one landmark; 0: they are not compared");
   if (o.new_landmark_probability < o.gate_probability) {
     throw ParameterError("association/new_landmark_probability: " + text_of(o.new_landmark_probability) +
                          " given, allowed: at least association/gate_probability, " +
                          text_of(o.gate_probability));
   }
+}
+
+void visit(Visitor& v, LifeCycleOptions& o) {
+  v.integer("map/confirm_sightings", &o.confirm_sightings, 1, 100000, "sightings",
+            "a new landmark is provisional until so many agree; 1: never");
+  v.number("map/confirm_motion", &o.confirm_motion, 0.0, 1e3, "m or rad",
+           "that the robot has moved since the first of them");
+  v.number("map/forget_after", &o.forget_after, 0.0, kInfinity, "s",
+           "a provisional landmark not seen for so long is taken off");
+  v.number("map/merge_distance", &o.merge_distance, 0.0, 1e3, "m",
+           "landmarks nearer than this that may be one and are not seen together become one; 0: never");
+  v.number("map/merge_probability", &o.merge_probability, 1e-6, 1.0 - 1e-12, "-",
+           "of the gate for their difference");
+  v.integer("map/remove_after_visits", &o.remove_after_visits, 0, 1000, "visits",
+            "a landmark that so many visits in a row should have shown and did not is taken off; 0: never");
+  v.number("map/field_of_view_deg", &o.field_of_view_deg, 1.0, 360.0, "deg",
+           "of the sensor about the robot's forward axis, for that");
+  v.number("map/view_range", &o.view_range, 0.0, kInfinity, "m", "likewise, how far it sees");
 }
 
 void visit(Visitor& v, MapOptions& o) {
@@ -223,6 +270,7 @@ void visit(Visitor& v, RunOptions& o) {
   visit(v, o.pipeline.estimator, o.pipeline);
   visit(v, o.pipeline.association);
   visit(v, o.map);
+  visit(v, o.pipeline.life_cycle);
   v.boolean("map/relocalize_when_lost", &o.pipeline.relocalize_when_lost,
             "localization: when most of what is seen is not in the map, look for the robot all over it");
   visit(v, o.output);

@@ -103,7 +103,10 @@ void RunWriter::restart() {
   trajectory_.text.clear();
   dead_reckoning_.text.clear();
   covariance_.text = covariance_header();
-  associations_.text = "t,detection,source_id,verdict,landmark,nis\n";
+  rows_.clear();
+  instant_rows_.clear();
+  merged_.clear();
+  removed_.clear();
   has_written_ = false;
 }
 
@@ -114,13 +117,11 @@ void RunWriter::add(const SensorFrame& frame, const SlamResult& result) {
   if (result.looked) ++detection_frames_;
   for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
     const DetectionOutcome& outcome = result.outcomes[i];
-    ++verdicts_[static_cast<std::size_t>(outcome.verdict)];
-    append_time(&associations_.text, frame.stamp);
-    associations_.text += ',' + std::to_string(i) + ',' + std::to_string(outcome.source_id) + ',' +
-                          to_string(outcome.verdict) + ',' + std::to_string(outcome.landmark_id) + ',';
-    if (std::isfinite(outcome.nis)) append(&associations_.text, outcome.nis, 6);
-    associations_.text += '\n';
+    instant_rows_.push_back({frame.stamp, static_cast<int>(i), outcome.source_id, outcome.verdict,
+                             outcome.landmark_id, outcome.nis});
+    rows_.push_back(instant_rows_.back());
   }
+  revise(result);
   if (!result.finite) return;
   const TimeNs stamp = result.pose.stamp;
   if (has_written_ && (stamp <= last_written_ || (!result.looked && stamp - last_written_ < period_))) return;
@@ -133,10 +134,57 @@ void RunWriter::add(const SensorFrame& frame, const SlamResult& result) {
   covariance_.text += '\n';
 }
 
+void RunWriter::revise(const SlamResult& result) {
+  for (const RevisedOutcome& revision : result.revisions) {
+    const auto key = [](const auto& row) { return std::make_pair(row.stamp, row.detection); };
+    const auto row =
+        std::lower_bound(rows_.begin(), rows_.end(), revision,
+                         [&](const auto& left, const auto& right) { return key(left) < key(right); });
+    if (row == rows_.end() || key(*row) != key(revision)) continue;
+    row->verdict = revision.verdict;
+    row->landmark = revision.landmark_id;
+    row->nis = revision.nis;
+  }
+  merged_.insert(merged_.end(), result.merged.begin(), result.merged.end());
+  removed_.insert(result.removed.begin(), result.removed.end());
+}
+
+std::string RunWriter::to_csv(const std::vector<AssociationRow>& rows) {
+  std::string text = "t,detection,source_id,verdict,landmark,nis\n";
+  for (const AssociationRow& row : rows) {
+    append_time(&text, row.stamp);
+    text += ',' + std::to_string(row.detection) + ',' + std::to_string(row.source_id) + ',' +
+            to_string(row.verdict) + ',' + std::to_string(row.landmark) + ',';
+    if (std::isfinite(row.nis)) append(&text, row.nis, 6);
+    text += '\n';
+  }
+  return text;
+}
+
+/// Sightings of a landmark that turned out to be another one, or nothing.
+void RunWriter::settle_rows(const std::vector<Landmark3d>& map) {
+  std::map<int, int> now;
+  for (auto merge = merged_.rbegin(); merge != merged_.rend(); ++merge) {
+    const auto later = now.find(merge->second);
+    now[merge->first] = later == now.end() ? merge->second : later->second;
+  }
+  std::set<int> present;
+  for (const Landmark3d& landmark : map) {
+    if (landmark.confirmed) present.insert(landmark.id);
+  }
+  for (AssociationRow& row : rows_) {
+    const auto renamed = now.find(row.landmark);
+    if (renamed != now.end()) row.landmark = renamed->second;
+    const bool is_gone = present.count(row.landmark) == 0 && removed_.count(row.landmark) > 0;
+    if (is_accepted(row.verdict) && is_gone) row.verdict = Verdict::kClutter;
+  }
+}
+
 void RunWriter::write_landmarks(const std::vector<Landmark3d>& map) {
   std::string& text = landmarks_.text;
   text = "id,label,x,y,z,cxx,cxy,cxz,cyy,cyz,czz,observations\n";
   for (const Landmark3d& landmark : map) {
+    if (!landmark.confirmed) continue;
     text += std::to_string(landmark.id) + ',' + csv_field(landmark.label);
     for (const double value : landmark.position_in_map) {
       text += ',';
@@ -155,9 +203,8 @@ void RunWriter::write_summary(const std::vector<Landmark3d>& map, const Summary&
                     : std::accumulate(times.begin(), times.end(), 0.0) / static_cast<double>(times.size());
   const double percentile_99 = times.empty() ? 0.0 : times[(times.size() - 1) * 99 / 100];
   std::map<std::string, std::uint64_t> verdicts;
-  for (int i = 0; i < kVerdictCount; ++i) {
-    if (verdicts_[i] > 0) verdicts[to_string(static_cast<Verdict>(i))] = verdicts_[i];
-  }
+  for (const AssociationRow& row : rows_) ++verdicts[to_string(row.verdict)];
+  const auto landmarks = std::count_if(map.begin(), map.end(), [](const auto& l) { return l.confirmed; });
   std::ostringstream json;
   json << "{\n  \"bag\": " << json_string(summary.bag) << ",\n  \"wall_seconds\": " << summary.wall_seconds
        << ",\n  \"cpu_seconds\": " << summary.cpu_seconds << ",\n  \"data_seconds\": " << summary.data_seconds
@@ -167,16 +214,19 @@ void RunWriter::write_summary(const std::vector<Landmark3d>& map, const Summary&
        << ",\n  \"detections\": " << json_counts(verdicts)
        << ",\n  \"messages\": " << json_counts(summary.accepted)
        << ",\n  \"messages_refused\": " << json_counts(summary.refusals)
-       << ",\n  \"landmarks\": " << map.size() << ",\n  \"update_ms_mean\": " << mean
+       << ",\n  \"landmarks\": " << landmarks << ",\n  \"update_ms_mean\": " << mean
        << ",\n  \"update_ms_p99\": " << percentile_99 << "\n}\n";
   summary_.text = json.str();
 }
 
 void RunWriter::finish(const std::vector<Landmark3d>& map, const Summary& summary) {
+  settle_rows(map);
+  associations_.text = to_csv(rows_);
+  instant_associations_.text = to_csv(instant_rows_);
   write_landmarks(map);
   write_summary(map, summary);
-  for (const File* file :
-       {&trajectory_, &covariance_, &dead_reckoning_, &associations_, &landmarks_, &summary_}) {
+  for (const File* file : {&trajectory_, &covariance_, &dead_reckoning_, &associations_,
+                           &instant_associations_, &landmarks_, &summary_}) {
     write_file_atomically(directory_ + "/" + file->name, file->text);
   }
 }

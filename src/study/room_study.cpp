@@ -3,9 +3,12 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
+#include <utility>
 
+#include "kinect_ekf_slam/pipeline/frame_buffer.h"
 #include "kinect_ekf_slam/pipeline/slam_pipeline.h"
 #include "kinect_ekf_slam/study/monte_carlo.h"
 #include "kinect_ekf_slam/study/simulated_picture.h"
@@ -20,6 +23,13 @@ double pose_nees(const Pose3d& estimate, const typename Space::Pose& truth) {
   const PoseEstimate<Space> pose = to_estimate<Space>(estimate);
   const typename Space::PoseVector error = pose_error<Space>(truth, pose.map_from_base);
   return error.dot(pose.covariance.ldlt().solve(error));
+}
+
+/// What the map is sure of.
+std::vector<Landmark3d> confirmed(std::vector<Landmark3d> map) {
+  map.erase(std::remove_if(map.begin(), map.end(), [](const Landmark3d& l) { return !l.confirmed; }),
+            map.end());
+  return map;
 }
 
 template <class Space>
@@ -70,8 +80,34 @@ class Eyes {
   std::optional<SimulatedCamera> camera_;
 };
 
+/// The frames of a simulation in the order of their stamps, those of wheels and gyro stamped late.
+class LateOdometry {
+ public:
+  explicit LateOdometry(double delay)
+      : delay_(to_nanoseconds(delay)), buffer_(delay + kPatience, kMostFrames) {}
+
+  /// What is due; a frame with detections is due at once.
+  std::vector<SensorFrame> add(SensorFrame frame) {
+    SensorFrame moving = frame;
+    moving.stamp += delay_;
+    moving.detections.reset();
+    std::vector<SensorFrame> due = buffer_.add(std::move(moving));
+    if (!frame.detections) return due;
+    frame.odometry.reset();
+    frame.gyro_rate.reset();
+    for (SensorFrame& released : buffer_.add(std::move(frame))) due.push_back(std::move(released));
+    return due;
+  }
+
+ private:
+  static constexpr double kPatience = 1.0;  // s
+  static constexpr std::size_t kMostFrames = 100000;
+  TimeNs delay_;
+  FrameBuffer buffer_;
+};
+
 template <class Space>
-RoomRun run_room(const RoomStudy& study, std::uint64_t seed) {
+RoomRun run_room_in(const RoomStudy& study, std::uint64_t seed) {
   Simulator simulator(study.world, seed);
   Eyes eyes(study, seed);
   const auto pipeline = make_pipeline(study.pipeline);
@@ -80,9 +116,11 @@ RoomRun run_room(const RoomStudy& study, std::uint64_t seed) {
   run.seed = seed;
   run.pose_dof = Space::kPoseDim;
   double squared_errors = 0.0;
+  LateOdometry frames(study.odometry_delay);
   while (!simulator.finished()) {
     const Sample sample = simulator.next();
-    const SlamResult result = pipeline->process(eyes.look(sample));
+    SlamResult result;
+    for (const SensorFrame& frame : frames.add(eyes.look(sample))) result = pipeline->process(frame);
     run.seconds = to_seconds(sample.stamp);
     if (!result.looked || run.seconds <= study.world.drive.standing_time) continue;
     const typename Space::Pose truth = Space::pose_from_3d(start_from_world * sample.world_from_base);
@@ -94,7 +132,7 @@ RoomRun run_room(const RoomStudy& study, std::uint64_t seed) {
   const auto count = static_cast<double>(run.nees.size());
   run.path_rmse = std::sqrt(squared_errors / count);
   run.nees_mean /= count;
-  const std::vector<Landmark3d> map = pipeline->map();
+  const std::vector<Landmark3d> map = confirmed(pipeline->map());
   run.map = compare<Space>(study.world, map);
   run.wrong_labels = count_wrong_labels(study.world, map, run.map);
   return run;
@@ -154,12 +192,16 @@ std::vector<Detection> to_detections(const Findings& findings, const Eigen::Isom
   return detections;
 }
 
-std::vector<RoomRun> run_study(const RoomStudy& study) {
+RoomRun run_room(const RoomStudy& study, std::uint64_t seed) {
   const bool spatial = study.pipeline.space == SpaceType::kSpatial;
-  const auto run = spatial ? run_room<Spatial> : run_room<Planar>;
+  return spatial ? run_room_in<Spatial>(study, seed) : run_room_in<Planar>(study, seed);
+}
+
+std::vector<RoomRun> run_study(const RoomStudy& study) {
   std::vector<RoomRun> runs(static_cast<std::size_t>(study.seeds));
   for_each_run(
-      runs.size(), [&](std::size_t i) { runs[i] = run(study, study.first_seed + i); }, study.on_progress);
+      runs.size(), [&](std::size_t i) { runs[i] = run_room(study, study.first_seed + i); },
+      study.on_progress);
   return runs;
 }
 
@@ -169,10 +211,11 @@ RoomSummary summarize(const std::vector<RoomRun>& runs) {
   if (runs.empty()) return summary;
   const auto count = static_cast<double>(runs.size());
   summary.true_landmarks = runs.front().map.true_landmarks;
-  const auto exact = std::count_if(runs.begin(), runs.end(), [](const RoomRun& run) {
-    return run.map.missed() == 0 && run.map.spurious() == 0;
-  });
-  summary.exact_count_share = static_cast<double>(exact) / count;
+  const auto share = [&](bool (RoomRun::*is_so)() const) {
+    return static_cast<double>(std::count_if(runs.begin(), runs.end(), std::mem_fn(is_so))) / count;
+  };
+  summary.exact_count_share = share(&RoomRun::is_exact);
+  summary.success_share = share(&RoomRun::is_success);
   summary.missed = spread(runs, [](const RoomRun& run) { return run.map.missed(); });
   summary.spurious = spread(runs, [](const RoomRun& run) { return run.map.spurious(); });
   summary.wrong_labels = spread(runs, [](const RoomRun& run) { return run.wrong_labels; });
@@ -211,13 +254,14 @@ std::string to_table(const RoomSummary& s) {
   }
   text += row(format("pose NEES (%d when consistent)", s.pose_dof).c_str(), s.nees, 2);
   if (s.true_landmarks > 0) {
-    text += format("all %zu landmarks and no other: %.0f %% of the runs\n", s.true_landmarks,
-                   100.0 * s.exact_count_share);
+    text += format(
+        "all %zu landmarks and no other: %.0f %% of the runs; with an RMSE of at most 0.09 m: %.0f %%\n",
+        s.true_landmarks, 100.0 * s.exact_count_share, 100.0 * s.success_share);
   }
-  return text + format(
-                    "NEES averaged over the runs: inside its 95 %% bounds, %.2f to %.2f, for %.0f %% of the "
-                    "time\n",
-                    s.nees_low, s.nees_high, 100.0 * s.nees_inside_share);
+  return text +
+         format(
+             "NEES averaged over the runs: inside its 95 %% bounds, %.2f to %.2f, for %.0f %% of the time\n",
+             s.nees_low, s.nees_high, 100.0 * s.nees_inside_share);
 }
 
 std::string to_json(const RoomSummary& s, const std::vector<RoomRun>& runs) {
@@ -225,8 +269,8 @@ std::string to_json(const RoomSummary& s, const std::vector<RoomRun>& runs) {
       "{\n  \"runs\": " + std::to_string(s.runs) +
       ",\n  \"true_landmarks\": " + std::to_string(s.true_landmarks) +
       ",\n  \"exact_count_share\": " + number(s.exact_count_share) +
-      ",\n  \"landmarks_missed\": " + json(s.missed) + ",\n  \"landmarks_spurious\": " + json(s.spurious) +
-      ",\n  \"wrong_labels\": " + json(s.wrong_labels) +
+      ",\n  \"success_share\": " + number(s.success_share) + ",\n  \"landmarks_missed\": " + json(s.missed) +
+      ",\n  \"landmarks_spurious\": " + json(s.spurious) + ",\n  \"wrong_labels\": " + json(s.wrong_labels) +
       ",\n  \"landmark_rmse_m\": " + json(s.landmark_rmse_aligned) +
       ",\n  \"landmark_rmse_start_m\": " + json(s.landmark_rmse_start) +
       ",\n  \"ate_rmse_start_m\": " + json(s.path_rmse) + ",\n  \"pose_nees\": " + json(s.nees) +

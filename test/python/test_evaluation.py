@@ -153,7 +153,7 @@ class EndToEnd(unittest.TestCase):
         self.write_truth()
         self.write_estimate()
 
-    def write_truth(self, with_path=True, with_landmarks=True, fix_only=False):
+    def write_truth(self, with_path=True, with_landmarks=True, fix_only=False, positions_with_outliers=False):
         from geometry_msgs.msg import PoseStamped
         from sensor_msgs.msg import NavSatFix
         from slam_tools.environment import package_messages
@@ -181,6 +181,8 @@ class EndToEnd(unittest.TestCase):
                     pose = PoseStamped()
                     pose.header.stamp = stamp
                     fill_pose(pose.pose, position, quaternion_from_yaw(0.8))
+                    if positions_with_outliers:
+                        fill_pose(pose.pose, position + (20.0 if i % 40 == 5 else 0.0), np.zeros(4))
                     bag.write("/ground_truth/pose", pose, stamp)
 
     def write_estimate(self):
@@ -229,7 +231,7 @@ class EndToEnd(unittest.TestCase):
         in_estimate = errors * np.exp(1j * self.YAW_ERROR)   # in the axes of the covariance
         expected = {
             "align": "se2",
-            "ate_rmse_m": 0.1,
+            "ate_rmse_m": 0.1, "path_error_median_m": 0.1, "path_error_p95_m": 0.1,
             "dead_reckoning_ate_rmse_m": 0.4,
             "heading_rmse_deg": math.degrees(self.YAW_ERROR),
             "pose_nees_mean": (0.1 / self.ACROSS_STD)**2 + (self.YAW_ERROR / self.YAW_STD)**2,
@@ -276,6 +278,17 @@ class EndToEnd(unittest.TestCase):
         self.assertAlmostEqual(metrics["ate_rmse_m"], 0.1, delta=0.05)   # the estimate is interpolated
         for name in ("heading_rmse_deg", "pose_nees_mean", "ate_rmse_start_m", "pose_nees_start_mean"):
             self.assertIsNone(metrics[name], name)
+
+    def test_a_robust_alignment_leaves_the_outliers_alone(self):
+        self.write_truth(positions_with_outliers=True)
+        least_squares, _ = self.evaluate()
+        self.assertGreater(least_squares["path_error_median_m"], 0.4)
+        metrics, _ = self.evaluate("--align", "robust")
+        self.assertEqual(metrics["align"], "robust")
+        self.assertIsNone(metrics["heading_rmse_deg"])   # a quaternion of zero: positions only
+        self.assertLess(metrics["path_error_median_m"], 0.1)
+        self.assertLess(metrics["path_error_p95_m"], 0.15)
+        self.assertGreater(metrics["ate_rmse_m"], 3.0)   # of all, the outliers too
 
     def test_truth_of_landmarks_alone(self):
         self.write_truth(with_path=False)

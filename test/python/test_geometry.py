@@ -3,10 +3,11 @@ import unittest
 import support  # noqa: F401  (makes the tools importable)
 import numpy as np
 
-from slam_tools.geometry import (Interpolation, Path, RigidTransform, align, enu_from_geodetic,
-                                 integrate_arcs, quaternion_from_yaw, quaternion_of_rotation,
-                                 quaternion_of_rotation_vector, rotation_of_quaternion,
-                                 rotation_vector_of_quaternion, wrap_angle, yaw_of_quaternion)
+from slam_tools.geometry import (Interpolation, Path, RigidTransform, align, align_robustly,
+                                 enu_from_geodetic, integrate_arcs, quaternion_from_yaw,
+                                 quaternion_of_rotation, quaternion_of_rotation_vector,
+                                 rotation_of_quaternion, rotation_vector_of_quaternion, wrap_angle,
+                                 yaw_of_quaternion)
 
 
 def random_quaternion(rng):
@@ -72,6 +73,26 @@ class Alignment(unittest.TestCase):
         self.assertIsNone(align(np.ones((9, 3)), np.ones((9, 3)), planar=True))
         self.assertIsNotNone(align(line, line, planar=True))
         self.assertIsNone(align(line, line, planar=False))
+
+    def test_outliers_hardly_pull_a_robust_one(self):
+        rng = np.random.default_rng(5)
+        known = RigidTransform.planar(300.0, -20.0, 2.0)
+        points = rng.uniform(-100.0, 100.0, size=(1000, 3)) * [1.0, 1.0, 0.0]
+        seen = known.points(points) + rng.normal(size=points.shape) * [0.5, 0.5, 0.0]
+        seen[:200] += [60.0, 30.0, 0.0]   # all to one side
+
+        def worst_error(found):
+            return np.linalg.norm(found.points(points) - known.points(points), axis=1).max()
+
+        self.assertGreater(worst_error(align(points, seen, planar=True)), 10.0)
+        self.assertLess(worst_error(align_robustly(points, seen, planar=True)), 0.4)
+
+    def test_a_robust_one_is_exact_and_undetermined_as_the_other(self):
+        known = RigidTransform.planar(3.0, -2.0, 1.2)
+        points = np.random.default_rng(6).normal(size=(20, 3)) * [1.0, 1.0, 0.0]
+        found = align_robustly(points, known.points(points), planar=True)
+        np.testing.assert_allclose(found.translation, known.translation, atol=1e-9)
+        self.assertIsNone(align_robustly(np.ones((9, 3)), np.ones((9, 3)), planar=True))
 
     def test_covariances_turn_with_the_frame(self):
         quarter_turn = RigidTransform.planar(0.0, 0.0, np.pi / 2)

@@ -35,6 +35,12 @@ class RealData(unittest.TestCase):
         self.assertEqual((result["landmarks_estimated"], result["landmarks_spurious"]), (9, 0))
         self.assertLessEqual(result["landmark_max_m"], 0.05)
 
+    def test_victoria_park_without_identities(self):
+        result = real.victoria_park(DATA, self.out)
+        self.assertLessEqual(result["path_error_median_m"], 1.0)
+        self.assertLessEqual(result["path_error_p95_m"], 3.5)
+        self.assertGreaterEqual(result["summary"]["times_real_time"], 20.0)
+
     def test_husky_heading_by_its_gyro(self):
         error = {source: result["ate_rmse_m"] for source, result in real.husky(DATA, self.out).items()}
         self.assertAlmostEqual(error["odometry"], 6.9, delta=0.3)

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "kinect_ekf_slam/association/associator.h"
+#include "kinect_ekf_slam/association/gated_pairs.h"
 
 namespace kinect_ekf_slam {
 
@@ -13,18 +13,13 @@ namespace kinect_ekf_slam {
 template <class Space>
 class NearestNeighbor : public Associator<Space> {
  public:
-  explicit NearestNeighbor(const AssociationOptions& options);
+  explicit NearestNeighbor(const AssociationOptions& options) : gates_(options) {}
   std::vector<Assignment> associate(const typename Associator<Space>::Observations& observations,
                                     const PredictedMap<Space>& map) const override;
-  AssociationReach reach() const override;
+  AssociationReach reach() const override { return gates_.reach(); }
 
  private:
-  void refuse_echoes(const typename Associator<Space>::Observations& observations,
-                     std::vector<Assignment>* assignments) const;
-
-  double gate_;
-  double new_landmark_gate_;
-  double new_landmark_distance_;
+  Gates<Space> gates_;
 };
 
 }  // namespace kinect_ekf_slam

@@ -39,11 +39,15 @@ struct LandmarkInfo {
   std::uint32_t radius_observations = 0;
   TimeNs last_seen = 0;  ///< time of the last sighting that entered the estimate, 0: in this run none has
   std::map<std::string, std::uint32_t> label_votes;
+  std::vector<float> descriptor;  ///< of the last sighting that told one; maps on file do not keep it
+  bool confirmed = true;          ///< false: it may yet turn out that nothing is there
 
   /// The label that most sightings agree on; empty: none told one.
   std::string label() const;
   /// Takes in what one more sighting says.
   void add(TimeNs stamp, const Signature& signature);
+  /// Takes in what another one knows that turned out to be the same landmark.
+  void absorb(const LandmarkInfo& other);
 };
 
 /// What became of a detection. All but the first two are reasons why it did not enter the estimate.
@@ -60,6 +64,7 @@ enum class Verdict {
   kNotInMap,           ///< localisation only: no landmark of the map fits
   kMapFull,            ///< map/max_landmarks reached
   kLate,               ///< older than what the estimate already holds
+  kClutter,            ///< taken for nothing that stands there
   kTooMany,            ///< the message had sensor/max_detections usable ones before it
 };
 constexpr int kVerdictCount = static_cast<int>(Verdict::kTooMany) + 1;

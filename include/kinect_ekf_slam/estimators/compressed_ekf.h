@@ -23,13 +23,16 @@ class CompressedEkf : public Ekf<Space> {
   CompressedEkf(const EstimatorOptions& options, std::shared_ptr<const Associator<Space>> associator,
                 const PoseEstimate<Space>& initial);
 
-  UpdateReport observe(TimeNs stamp, const std::vector<Observation<Space>>& observations) override;
+  using typename KalmanSlam<Space>::Expectation;
+  using typename KalmanSlam<Space>::Observations;
+  Expectation expect(const Observations& observations) override;
+  bool merge(int kept_id, int dropped_id, double gate) override;
   std::vector<LandmarkEstimate<Space>> landmarks() const override;
   SlamState<Space> snapshot() const override;
   void restore(const SlamState<Space>& state) override;
   void set_pose(const PoseEstimate<Space>& pose) override;
   void set_map_fixed(bool fixed) override;
-  std::unique_ptr<SlamEstimator<Space>> clone() const override {
+  std::unique_ptr<KalmanSlam<Space>> clone_filter() const override {
     return std::make_unique<CompressedEkf>(*this);
   }
 
@@ -55,6 +58,7 @@ class CompressedEkf : public Ekf<Space> {
   void remove_landmark(int index) override;
   void corrected(const std::vector<Match>& matches, const Eigen::LLT<Eigen::MatrixXd>& S,
                  const Eigen::MatrixXd& weighted, const Eigen::VectorXd& whitened) override;
+  int index_of(int id) override;
   int map_size() const override {
     return std::max(whole_.landmark_count(), active_.empty() ? 0 : active_.back() + 1);
   }

@@ -9,7 +9,7 @@ template <class Space>
 class Ekf : public KalmanSlam<Space> {
  public:
   using KalmanSlam<Space>::KalmanSlam;
-  std::unique_ptr<SlamEstimator<Space>> clone() const override { return std::make_unique<Ekf>(*this); }
+  std::unique_ptr<KalmanSlam<Space>> clone_filter() const override { return std::make_unique<Ekf>(*this); }
 
  protected:
   using Base = KalmanSlam<Space>;

@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "kinect_ekf_slam/association/associator.h"
+#include "kinect_ekf_slam/estimators/kalman_slam.h"
 #include "kinect_ekf_slam/estimators/options.h"
-#include "kinect_ekf_slam/estimators/slam_estimator.h"
 
 namespace kinect_ekf_slam {
 
@@ -13,5 +13,11 @@ template <class Space>
 std::unique_ptr<SlamEstimator<Space>> make_estimator(const EstimatorOptions& options,
                                                      const AssociationOptions& association,
                                                      const PoseEstimate<Space>& initial);
+
+/// The same, if it is a Kalman filter; else null.
+template <class Space>
+std::unique_ptr<KalmanSlam<Space>> make_kalman(const EstimatorOptions& options,
+                                               const AssociationOptions& association,
+                                               const PoseEstimate<Space>& initial);
 
 }  // namespace kinect_ekf_slam

@@ -5,22 +5,25 @@
 #include <optional>
 #include <vector>
 
+#include "kinect_ekf_slam/estimators/contradictions.h"
 #include "kinect_ekf_slam/estimators/gaussian.h"
 #include "kinect_ekf_slam/estimators/landmark_ids.h"
 #include "kinect_ekf_slam/estimators/options.h"
 #include "kinect_ekf_slam/estimators/particles.h"
-#include "kinect_ekf_slam/estimators/shared_array.h"
+#include "kinect_ekf_slam/estimators/path_particle.h"
 #include "kinect_ekf_slam/estimators/slam_estimator.h"
 
 namespace kinect_ekf_slam {
 
-/// FastSLAM 1.0 and 2.0 (docs/theory.md, section 7): given the robot's path the landmarks are independent, so
-/// each particle is a path with one small Kalman filter a landmark. (Montemerlo, Thrun, Koller, Wegbreit,
+/// FastSLAM 1.0 and 2.0 (docs/filters.md): given the robot's path the landmarks are independent, so each
+/// particle is a path with one small Kalman filter a landmark. (Montemerlo, Thrun, Koller, Wegbreit,
 /// AAAI 2002 and IJCAI 2003.)
 ///
-/// The poses are drawn when landmarks are seen. Until then the motion since is one Gaussian that all
-/// particles share, so a prediction costs the same however many there are. A resampled particle shares its
-/// parent's map until it changes it: with M particles and n landmarks a sighting costs O(M log n).
+/// 1.0 draws the pose from the motion, and then looks. 2.0 looks first; here it draws when some landmarks
+/// were seen (`draw_after`), until when each particle is a Kalman filter of the pose and those. The motion
+/// since the last look is one Gaussian that all particles share, so a prediction costs the same however many
+/// there are. A resampled particle shares its parent's map until it changes it: with M particles and n
+/// landmarks a sighting costs O(M log n).
 ///
 /// Particles decide by themselves which landmark a sighting is. What one particle takes for new is a landmark
 /// of the estimate when particles of more than half of the weight have it.
@@ -53,13 +56,11 @@ class FastSlam : public SlamEstimator<Space> {
   using PointMatrix = typename Space::PointMatrix;
   using PoseVector = typename Space::PoseVector;
   using Observations = std::vector<Observation<Space>>;
-  using Landmark = Gaussian<kPointDim>;  ///< in the map, given the particle's path
+  using Landmark = typename PathParticle<Space>::Landmark;
   using Box = Eigen::AlignedBox<double, kPointDim>;
 
   struct Particle {
-    Pose map_from_base;
-    Gaussian<kPoseDim> error;  ///< local, of the pose: what was not drawn yet
-    SharedArray<Landmark> map;
+    PathParticle<Space> path;
     std::vector<Assignment> assignments;  ///< of the last observations; `landmark` is the index in `tracks_`
     double nis = 0.0;                     ///< of the last update
     int dof = 0;
@@ -67,34 +68,32 @@ class FastSlam : public SlamEstimator<Space> {
   /// What the particles have in common of a landmark.
   struct Track {
     LandmarkInfo info;
-    int contradictions = 0;  ///< refused sightings in a row
-    int holders = 0;         ///< particles that have it; none: the track is free
-    Box box;                 ///< m, in the map; holds the landmark's mean of every particle
-    double variance = 0.0;   ///< m^2, the largest trace of its covariance
+    int holders = 0;        ///< particles that have it; none: the track is free
+    Box box;                ///< m, in the map; holds the landmark's mean of every particle
+    double variance = 0.0;  ///< m^2, the largest trace of its covariance
   };
   class Prediction;
 
-  /// Brings all particles to the present; those of FastSLAM 1.0 are drawn there, with a white column each.
-  void move_particles(const Eigen::MatrixXd& white);
-  /// Settles where the particle is.
-  static void draw_pose(const PoseVector& white, Particle* particle);
+  /// Brings all particles to the present.
+  void move_particles();
+  /// The particle where it is now.
+  PathParticle<Space> present(const Particle& particle) const;
+  /// Draws the poses of the particles that have seen at least so many landmarks since they were drawn.
+  void draw_poses(std::size_t landmarks);
   /// Tracks that can matter to the observations, whatever the particle.
   std::vector<int> candidates(const Observations& observations) const;
   /// How far from an observation that a particle puts there a landmark's mean can be and still matter, m^2.
   double squared_reach(const Observation<Space>& observation) const;
-  /// Associates, and sharpens the pose's Gaussian; returns the logarithm of the weight that the particle
+  /// Associates, and corrects the particle by what is matched; returns the logarithm of the weight that it
   /// earns.
-  double weigh(TimeNs stamp, const Observations& observations, const std::vector<int>& candidates,
-               Particle* particle) const;
-  /// Corrects the landmarks seen from the settled pose.
-  void update_landmarks(TimeNs stamp, const Observations& observations, Particle* particle) const;
+  double correct(TimeNs stamp, const Observations& observations, const std::vector<int>& candidates,
+                 Particle* particle) const;
   PointMatrix measurement_noise(TimeNs stamp, const Observation<Space>& observation,
                                 const Assignment& assignment) const;
   /// Log-likelihood of an observation that is no landmark of the particle's map.
   double log_unexplained(const Observation<Space>& observation) const;
   void add_landmarks(TimeNs stamp, const Observations& observations);
   int new_track(TimeNs stamp, const Signature& signature);
-  void place(int track, const Observation<Space>& observation, Particle* particle) const;
   /// What most of the weight takes the observations for; `landmark` is the track.
   UpdateReport vote(std::size_t observations) const;
   void note(TimeNs stamp, const Observations& observations, UpdateReport* report);
@@ -102,6 +101,8 @@ class FastSlam : public SlamEstimator<Space> {
   void bound(int track);
   void resample();
   void fix_map(const SlamState<Space>& state);
+  static void add_window(const PathParticle<Space>& path, double weight, const std::vector<int>& tracks,
+                         Eigen::MatrixXd* covariance);
 
   /// The landmark's distribution over the particles that have it; nothing when those weigh half or less.
   std::optional<Landmark> landmark(int track) const;
@@ -114,7 +115,8 @@ class FastSlam : public SlamEstimator<Space> {
   std::vector<Particle> particles_;
   std::vector<double> weights_;  ///< sum one
   std::vector<Track> tracks_;
-  MotionStep<Space> motion_;  ///< since the particles' poses
+  MotionStep<Space> motion_;       ///< since the particles' poses
+  Contradictions contradictions_;  ///< by track
   LandmarkIds ids_;
   std::optional<SlamState<Space>> fixed_map_;  ///< the landmarks of this state; its pose is none
 };

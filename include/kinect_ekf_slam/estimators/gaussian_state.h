@@ -32,7 +32,12 @@ class GaussianState {
   const Pose& map_from_base() const { return pose_; }
   PoseMatrix pose_covariance() const;
   Point landmark(int index) const { return points_.template segment<kPointDim>(kPointDim * index); }
-  PointMatrix landmark_covariance(int index) const;
+  PointMatrix landmark_covariance(int index) const { return landmark_covariance(index, index); }
+  /// Covariance of two landmarks' errors, the first by the second.
+  PointMatrix landmark_covariance(int a, int b) const;
+  typename Space::PointByPose landmark_by_pose(int index) const {
+    return covariance_.template block<kPointDim, kPoseDim>(row(index), 0);
+  }
   LandmarkInfo& info(int index) { return infos_[index]; }
   const LandmarkInfo& info(int index) const { return infos_[index]; }
   std::vector<LandmarkEstimate<Space>> landmarks() const;

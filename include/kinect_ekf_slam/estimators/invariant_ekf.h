@@ -15,7 +15,7 @@ template <class Space>
 class InvariantEkf : public Ekf<Space> {
  public:
   using Ekf<Space>::Ekf;
-  std::unique_ptr<SlamEstimator<Space>> clone() const override {
+  std::unique_ptr<KalmanSlam<Space>> clone_filter() const override {
     return std::make_unique<InvariantEkf>(*this);
   }
 

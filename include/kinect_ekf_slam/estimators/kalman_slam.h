@@ -2,11 +2,11 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include "kinect_ekf_slam/estimators/contradictions.h"
 #include "kinect_ekf_slam/estimators/gaussian_state.h"
 #include "kinect_ekf_slam/estimators/landmark_ids.h"
 #include "kinect_ekf_slam/estimators/options.h"
@@ -25,16 +25,38 @@ class KalmanSlam : public SlamEstimator<Space> {
       : options_(options),
         associator_(std::move(associator)),
         state_(initial),
+        contradictions_(options),
         ids_(associator_->knows_identities()) {}
 
+  using Observations = std::vector<Observation<Space>>;
+
   void predict(const MotionStep<Space>& step) override;
-  UpdateReport observe(TimeNs stamp, const std::vector<Observation<Space>>& observations) override;
+  UpdateReport observe(TimeNs stamp, const Observations& observations) override;
   PoseEstimate<Space> pose() const override { return {state_.map_from_base(), state_.pose_covariance()}; }
   std::vector<LandmarkEstimate<Space>> landmarks() const override { return state_.landmarks(); }
   SlamState<Space> snapshot() const override { return state_.snapshot(); }
   void restore(const SlamState<Space>& state) override;
   void set_pose(const PoseEstimate<Space>& pose) override { state_.set_pose(pose); }
   void set_map_fixed(bool fixed) override { map_fixed_ = fixed; }
+  virtual std::unique_ptr<KalmanSlam> clone_filter() const = 0;
+  std::unique_ptr<SlamEstimator<Space>> clone() const override { return clone_filter(); }
+
+  // The two halves of observe(), for one who decides on the association.
+  class Expectation;
+  /// What the filter expects to see of the landmarks that may have a part in what becomes of the
+  /// observations. It looks at the filter, and holds until the filter changes.
+  virtual Expectation expect(const Observations& observations);
+  /// Corrects pose and map in one joint update and adds new landmarks, as the assignments say. Their indices
+  /// are those of the expectation.
+  UpdateReport apply(TimeNs stamp, const Observations& observations, std::vector<Assignment> assignments);
+
+  // What a map's keeper may do to landmarks, by their ids. False, and nothing changed: there is no such one.
+  bool set_confirmed(int id, bool confirmed);
+  bool remove(int id);
+  const LandmarkInfo* find(int id);  ///< null: there is none
+  /// Two are one: their difference is zero, equation (10.1), and the second one goes. False, and nothing
+  /// changed, when the difference's squared Mahalanobis distance is not below the gate.
+  virtual bool merge(int kept_id, int dropped_id, double gate);
 
  protected:
   static constexpr int kPoseDim = Space::kPoseDim;
@@ -66,10 +88,10 @@ class KalmanSlam : public SlamEstimator<Space> {
     PointMatrix by_landmark;
   };
   Jacobian jacobian(const Point& landmark_in_map, Point* point_in_base = nullptr) const;
-  /// H P H^T of one landmark.
-  static PointMatrix expected_covariance(const Jacobian& H, const PoseMatrix& pose,
-                                         const typename Space::PointByPose& landmark_by_pose,
-                                         const PointMatrix& landmark);
+  /// H_a P H_b^T of two landmarks, given the rows of P that it takes.
+  static PointMatrix cross(const Jacobian& H_a, const Jacobian& H_b, const PoseMatrix& pose,
+                           const typename Space::PointByPose& a_by_pose,
+                           const typename Space::PointByPose& b_by_pose, const PointMatrix& a_by_b);
 
   // The state changes through these alone: an estimator that keeps more than the state takes part in them.
   virtual void move(const PoseEstimate<Space>& moved, const PoseMatrix& F) { state_.move(moved, F); }
@@ -89,21 +111,37 @@ class KalmanSlam : public SlamEstimator<Space> {
   GaussianState<Space> state_;
   bool map_fixed_ = false;
 
- private:
-  class Expectation;
+  /// Index in the state of the landmark, which may have to be brought there first; -1: there is none.
+  virtual int index_of(int id);
 
-  bool update(TimeNs stamp, const std::vector<Observation<Space>>& observations,
-              const std::vector<Match>& matches, UpdateReport* report);
+ private:
+  bool update(TimeNs stamp, const Observations& observations, const std::vector<Match>& matches,
+              UpdateReport* report);
   /// R of a match, larger where the sighting is unlikely or says again what the last one said.
   PointMatrix measurement_noise(TimeNs stamp, const Observation<Space>& observation,
                                 const Match& match) const;
-  void add_landmark(TimeNs stamp, const Observation<Space>& observation);
-  void replace_if_contradicted(TimeNs stamp, const std::vector<Observation<Space>>& observations,
-                               UpdateReport* report);
+  /// With the id given, kNoId: any.
+  void add_landmark(TimeNs stamp, const Observation<Space>& observation, int id = kNoId);
+  void replace_if_contradicted(TimeNs stamp, const Observations& observations, UpdateReport* report);
 
-  std::map<int, int> contradictions_;  ///< by the landmark's id: refused sightings in a row
+  Contradictions contradictions_;  ///< by the landmark's id
   LandmarkIds ids_;
   PredictedMeasurement predicted_;  ///< reused between updates
+};
+
+/// The associator's view of the filter.
+template <class Space>
+class KalmanSlam<Space>::Expectation : public PredictedMap<Space> {
+ public:
+  explicit Expectation(const KalmanSlam& filter) : filter_(&filter) {}
+  int size() const override { return filter_->state_.landmark_count(); }
+  const LandmarkInfo& info(int landmark) const override { return filter_->state_.info(landmark); }
+  Point point_in_base(int landmark) const override;
+  PointMatrix covariance(int landmark) const override { return cross_covariance(landmark, landmark); }
+  PointMatrix cross_covariance(int a, int b) const override;
+
+ private:
+  const KalmanSlam* filter_;
 };
 
 }  // namespace kinect_ekf_slam

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <limits>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "kinect_ekf_slam/association/associator.h"
@@ -29,12 +30,25 @@ struct SlamState {
   Eigen::MatrixXd covariance;        ///< symmetric, of size pose dim + point dim * landmarks
 };
 
+/// A sighting of an earlier time turned out to be something else.
+struct Revision {
+  TimeNs stamp = 0;
+  int detection = 0;      ///< as the observation calls itself
+  Assignment assignment;  ///< `landmark` is the landmark's id
+};
+
 /// What became of the observations of one time.
 struct UpdateReport {
   std::vector<Assignment>
       assignments;  ///< one an observation; `landmark` is the landmark's id, not its index
   double nis = std::numeric_limits<double>::quiet_NaN();  ///< nu^T S^-1 nu of the joint update, before it
   int dof = 0;                                            ///< of the joint update, 0: none took place
+
+  // What it did to the map, and to what was believed before; landmarks by their ids.
+  std::vector<int> confirmed;
+  std::vector<int> removed;                 ///< nothing stands there
+  std::vector<std::pair<int, int>> merged;  ///< the first is the second
+  std::vector<Revision> revisions;
 };
 
 /// The contract of every SLAM estimator: predict, observe, and say what you believe.

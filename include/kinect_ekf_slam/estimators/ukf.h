@@ -14,7 +14,7 @@ class Ukf : public KalmanSlam<Space> {
  public:
   using KalmanSlam<Space>::KalmanSlam;
   void predict(const MotionStep<Space>& step) override;
-  std::unique_ptr<SlamEstimator<Space>> clone() const override { return std::make_unique<Ukf>(*this); }
+  std::unique_ptr<KalmanSlam<Space>> clone_filter() const override { return std::make_unique<Ukf>(*this); }
 
  protected:
   using Base = KalmanSlam<Space>;

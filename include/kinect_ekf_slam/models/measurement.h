@@ -17,6 +17,7 @@ struct Observation {
   double correlation_time =
       0.0;  ///< s over which errors of the same landmark's sightings resemble each other
   Signature signature;
+  int detection = 0;  ///< which one of its time it is
 };
 
 /// How much less a sighting tells when the last one of the same landmark is `since_last` seconds ago and

@@ -2,6 +2,7 @@
 
 #include "kinect_ekf_slam/association/associator.h"
 #include "kinect_ekf_slam/estimators/options.h"
+#include "kinect_ekf_slam/mapping/life_cycle_options.h"
 #include "kinect_ekf_slam/models/input_conditioner.h"
 #include "kinect_ekf_slam/models/motion.h"
 #include "kinect_ekf_slam/models/sensor_model.h"
@@ -30,6 +31,7 @@ struct PipelineOptions {
   SensorOptions sensor;
   EstimatorOptions estimator;
   AssociationOptions association;
+  LifeCycleOptions life_cycle;
   InitialPoseOptions initial_pose;
   SpaceType space = SpaceType::kPlanar;
   Mode mode = Mode::kSlam;

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kinect_ekf_slam/core/landmark.h"
@@ -18,6 +19,7 @@ struct Landmark3d {
   std::string label;
   double radius = 0.0;  ///< m, 0: unknown
   std::uint32_t observations = 0;
+  bool confirmed = true;  ///< false: it may yet turn out that nothing is there
   Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity() * kPlanarVariance;  ///< m^2
 };
@@ -31,6 +33,15 @@ struct DetectionOutcome {
   Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();  ///< m, seen from the corrected pose
 };
 
+/// What an earlier detection has turned out to be.
+struct RevisedOutcome {
+  TimeNs stamp = 0;
+  int detection = 0;  ///< index in its message
+  Verdict verdict = Verdict::kInvalid;
+  int landmark_id = kNoId;
+  double nis = std::numeric_limits<double>::quiet_NaN();
+};
+
 /// Whether it is known where the robot is in a map that is not changed.
 enum class Localization {
   kTracking,   ///< the pose is followed
@@ -42,8 +53,11 @@ enum class Localization {
 struct SlamResult {
   Pose3d pose;
   Eigen::Isometry3d dead_reckoned = Eigen::Isometry3d::Identity();  ///< the same run without any correction
-  bool looked = false;                                    ///< the frame carried detections, perhaps none
-  std::vector<DetectionOutcome> outcomes;                 ///< one a detection, in their order
+  bool looked = false;                      ///< the frame carried detections, perhaps none
+  std::vector<DetectionOutcome> outcomes;   ///< one a detection, in their order
+  std::vector<RevisedOutcome> revisions;    ///< of earlier frames
+  std::vector<int> removed;                 ///< landmarks that were taken off: nothing is there
+  std::vector<std::pair<int, int>> merged;  ///< landmarks: the first turned out to be the second
   double nis = std::numeric_limits<double>::quiet_NaN();  ///< of the joint update
   int dof = 0;
   Localization localization = Localization::kTracking;

@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <fstream>
 #include <map>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kinect_ekf_slam/pipeline/sensor_frame.h"
@@ -12,7 +14,9 @@
 namespace kinect_ekf_slam {
 
 /// Writes what a run produced as files for evaluation: `trajectory.tum`, `trajectory_covariance.csv`,
-/// `dead_reckoning.tum`, `landmarks.csv`, `associations.csv`, `summary.json`. Files appear under their names
+/// `dead_reckoning.tum`, `landmarks.csv` (the confirmed
+/// ones), `associations.csv` (as known at the end), `associations_instant.csv` (as told at once),
+/// `summary.json`. Files appear under their names
 /// only when complete. Throws std::runtime_error, naming the file, when one cannot be written.
 class RunWriter {
  public:
@@ -43,6 +47,17 @@ class RunWriter {
     std::string name;
     std::string text;
   };
+  struct AssociationRow {
+    TimeNs stamp;
+    int detection;
+    int source_id;
+    Verdict verdict;
+    int landmark;
+    double nis;
+  };
+  void settle_rows(const std::vector<Landmark3d>& map);
+  void revise(const SlamResult& result);
+  static std::string to_csv(const std::vector<AssociationRow>& rows);
   void write_landmarks(const std::vector<Landmark3d>& map);
   void write_summary(const std::vector<Landmark3d>& map, const Summary& summary);
 
@@ -50,13 +65,17 @@ class RunWriter {
   TimeNs period_;
   TimeNs last_written_ = 0;
   bool has_written_ = false;
+  std::vector<AssociationRow> rows_;          ///< as is known now
+  std::vector<AssociationRow> instant_rows_;  ///< as was told at once
+  std::vector<std::pair<int, int>> merged_;   ///< landmarks, in the order of time: the first is the second
+  std::set<int> removed_;
   std::uint64_t frames_ = 0;
   std::uint64_t detection_frames_ = 0;
-  std::vector<std::uint64_t> verdicts_ = std::vector<std::uint64_t>(kVerdictCount, 0);
   File trajectory_{"trajectory.tum", ""};
   File covariance_{"trajectory_covariance.csv", ""};
   File dead_reckoning_{"dead_reckoning.tum", ""};
   File associations_{"associations.csv", ""};
+  File instant_associations_{"associations_instant.csv", ""};
   File landmarks_{"landmarks.csv", ""};
   File summary_{"summary.json", ""};
 };

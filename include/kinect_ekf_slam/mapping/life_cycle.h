@@ -1,0 +1,52 @@
+#pragma once
+
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "kinect_ekf_slam/estimators/kalman_slam.h"
+#include "kinect_ekf_slam/mapping/life_cycle_options.h"
+
+namespace kinect_ekf_slam {
+
+/// Decides which landmarks are real: confirms, forgets, merges, and takes off what is not there.
+///
+/// Knows each landmark by its id, and how often it was seen and should have been. (docs/theory.md,
+/// section 10.)
+template <class Space>
+class LifeCycle {
+ public:
+  explicit LifeCycle(const LifeCycleOptions& options);
+
+  /// After an update: the report says what was seen, and then what became of the map.
+  void keep(TimeNs stamp, const std::vector<Observation<Space>>& observations, KalmanSlam<Space>* filter,
+            UpdateReport* report);
+  /// Of a map that was loaded nothing is known but that its landmarks are there.
+  void clear() { records_.clear(); }
+
+ private:
+  struct Record {
+    typename Space::Pose first_seen_from;
+    TimeNs last_seen = 0;
+    int sightings = 0;
+    // Looks that should have shown it and did not, since it was last seen.
+    TimeNs last_missed = 0;
+    int misses_of_visit = 0;
+    int visits_in_vain = 0;
+  };
+
+  void count_sightings(TimeNs stamp, KalmanSlam<Space>* filter, UpdateReport* report);
+  void count_misses(TimeNs stamp, const std::vector<Observation<Space>>& observations,
+                    KalmanSlam<Space>* filter, const UpdateReport& report);
+  void remove_unlikely(TimeNs stamp, KalmanSlam<Space>* filter, UpdateReport* report);
+  void merge_duplicates(KalmanSlam<Space>* filter, UpdateReport* report);
+  bool is_confirmed(const Record& record, const typename Space::Pose& map_from_base) const;
+
+  LifeCycleOptions options_;
+  double merge_gate_;
+  std::map<int, Record> records_;                     ///< by landmark id; landmarks of a loaded map have none
+  std::map<std::pair<int, int>, int> seen_together_;  ///< frames, by the lower and the higher id
+  TimeNs last_merged_ = 0;
+};
+
+}  // namespace kinect_ekf_slam

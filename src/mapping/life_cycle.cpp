@@ -1,0 +1,158 @@
+#include "kinect_ekf_slam/mapping/life_cycle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include "kinect_ekf_slam/core/angles.h"
+#include "kinect_ekf_slam/core/chi_square.h"
+
+namespace kinect_ekf_slam {
+namespace {
+
+constexpr TimeNs kMergeInterval = 1000000000;
+constexpr double kTogether =
+    0.02;  // share of the rarer one's sightings in which duplicates may appear as two
+constexpr double kVisitsApart = 5.0;    // s; looks in vain farther apart belong to different visits
+constexpr int kLooksOfVisit = 3;        // fewer say nothing: one look is missed easily
+constexpr int kSightingsPerVisit = 10;  // support that outweighs one visit in vain
+constexpr double kWellInside = 0.85;    // share of the view in which a landmark must be seen, if it is there
+constexpr double kBodyWidth = 0.3;      // m; what stands nearer in the same direction hides what is behind
+
+}  // namespace
+
+template <class Space>
+LifeCycle<Space>::LifeCycle(const LifeCycleOptions& options)
+    : options_(options), merge_gate_(chi_square_quantile(options.merge_probability, Space::kPointDim)) {}
+
+template <class Space>
+void LifeCycle<Space>::keep(TimeNs stamp, const std::vector<Observation<Space>>& observations,
+                            KalmanSlam<Space>* filter, UpdateReport* report) {
+  count_sightings(stamp, filter, report);
+  if (options_.remove_after_visits > 0) count_misses(stamp, observations, filter, *report);
+  remove_unlikely(stamp, filter, report);
+  if (options_.merge_distance > 0.0 && stamp - last_merged_ >= kMergeInterval) {
+    last_merged_ = stamp;
+    merge_duplicates(filter, report);
+  }
+}
+
+template <class Space>
+void LifeCycle<Space>::count_sightings(TimeNs stamp, KalmanSlam<Space>* filter, UpdateReport* report) {
+  std::vector<int> seen;
+  for (const Assignment& assignment : report->assignments) {
+    if (is_accepted(assignment.verdict)) seen.push_back(assignment.landmark);
+  }
+  std::sort(seen.begin(), seen.end());
+  const typename Space::Pose pose = filter->pose().map_from_base;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    for (std::size_t j = i + 1; j < seen.size(); ++j) ++seen_together_[{seen[i], seen[j]}];
+  }
+  for (const Assignment& assignment : report->assignments) {
+    if (!is_accepted(assignment.verdict)) continue;
+    const int id = assignment.landmark;
+    if (assignment.verdict == Verdict::kCreated) {
+      records_[id].first_seen_from = pose;
+      filter->set_confirmed(id, false);
+    }
+    const auto record = records_.find(id);
+    if (record == records_.end()) continue;
+    record->second.last_seen = stamp;
+    ++record->second.sightings;
+    record->second.misses_of_visit = 0;
+    record->second.visits_in_vain = 0;
+    if (filter->find(id)->confirmed || !is_confirmed(record->second, pose)) continue;
+    filter->set_confirmed(id, true);
+    report->confirmed.push_back(id);
+  }
+}
+
+template <class Space>
+bool LifeCycle<Space>::is_confirmed(const Record& record, const typename Space::Pose& map_from_base) const {
+  if (record.sightings < options_.confirm_sightings) return false;
+  const typename Space::PoseVector motion = (record.first_seen_from.inverse() * map_from_base).log();
+  return motion.norm() >= options_.confirm_motion || options_.confirm_sightings <= 1;
+}
+
+/// A landmark well inside the view that nothing hides should have been seen.
+template <class Space>
+void LifeCycle<Space>::count_misses(TimeNs stamp, const std::vector<Observation<Space>>& observations,
+                                    KalmanSlam<Space>* filter, const UpdateReport& report) {
+  std::set<int> seen;
+  for (const Assignment& assignment : report.assignments) {
+    if (assignment.landmark >= 0) seen.insert(assignment.landmark);
+  }
+  const auto expected = filter->expect(observations);
+  const double half_view = kWellInside * 0.5 * radians(options_.field_of_view_deg);
+  for (int i = 0; i < expected.size(); ++i) {
+    const auto record = records_.find(expected.info(i).id);
+    if (record == records_.end() || seen.count(record->first) > 0) continue;
+    const typename Space::Point point = expected.point_in_base(i);
+    const double range = point.norm();
+    const bool in_view = range < kWellInside * options_.view_range && range > kBodyWidth &&
+                         std::abs(std::atan2(point.y(), point.x())) < half_view;
+    if (!in_view) continue;
+    const bool hidden = std::any_of(observations.begin(), observations.end(), [&](const auto& observation) {
+      const typename Space::Point& other = observation.position_in_base;
+      const typename Space::Point across = other - other.dot(point) / (range * range) * point;
+      return other.dot(point) > 0.0 && across.norm() < kBodyWidth;
+    });
+    if (hidden) continue;
+    Record& missed = record->second;
+    if (to_seconds(stamp - missed.last_missed) > kVisitsApart) missed.misses_of_visit = 0;
+    missed.last_missed = stamp;
+    if (++missed.misses_of_visit == kLooksOfVisit) ++missed.visits_in_vain;
+  }
+}
+
+template <class Space>
+void LifeCycle<Space>::remove_unlikely(TimeNs stamp, KalmanSlam<Space>* filter, UpdateReport* report) {
+  std::vector<int> unlikely;
+  for (const auto& [id, record] : records_) {
+    const LandmarkInfo* info = filter->find(id);
+    if (info == nullptr) continue;
+    const bool never_confirmed =
+        !info->confirmed && to_seconds(stamp - record.last_seen) > options_.forget_after;
+    const int enough = std::min(options_.remove_after_visits, 1 + record.sightings / kSightingsPerVisit);
+    const bool is_not_there = options_.remove_after_visits > 0 && record.visits_in_vain >= enough;
+    if (never_confirmed || is_not_there) unlikely.push_back(id);
+  }
+  for (const int id : unlikely) {
+    filter->remove(id);
+    records_.erase(id);
+    report->removed.push_back(id);
+  }
+}
+
+template <class Space>
+void LifeCycle<Space>::merge_duplicates(KalmanSlam<Space>* filter, UpdateReport* report) {
+  const std::vector<LandmarkEstimate<Space>> landmarks = filter->landmarks();
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    for (std::size_t j = i + 1; j < landmarks.size(); ++j) {
+      const auto apart = (landmarks[i].position_in_map - landmarks[j].position_in_map).norm();
+      if (apart > options_.merge_distance) continue;
+      const bool keep_first = landmarks[i].info.observations >= landmarks[j].info.observations;
+      const LandmarkInfo& kept = landmarks[keep_first ? i : j].info;
+      const LandmarkInfo& dropped = landmarks[keep_first ? j : i].info;
+      const auto together =
+          seen_together_.find({std::min(kept.id, dropped.id), std::max(kept.id, dropped.id)});
+      if (together != seen_together_.end() && together->second > kTogether * dropped.observations) continue;
+      if (!filter->merge(kept.id, dropped.id, merge_gate_)) continue;
+      const auto taken_over = records_.find(dropped.id);
+      const auto record = records_.find(kept.id);
+      if (taken_over != records_.end() && record != records_.end()) {
+        record->second.sightings += taken_over->second.sightings;
+        record->second.last_seen = std::max(record->second.last_seen, taken_over->second.last_seen);
+      }
+      records_.erase(dropped.id);
+      report->merged.emplace_back(dropped.id, kept.id);
+      return;  // the list has changed; the next ones wait for the next time
+    }
+  }
+}
+
+template class LifeCycle<Planar>;
+template class LifeCycle<Spatial>;
+
+}  // namespace kinect_ekf_slam
