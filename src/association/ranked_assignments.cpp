@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "kinect_ekf_slam/association/gate.h"
 #include "kinect_ekf_slam/association/joint_innovation.h"
 
 namespace kinect_ekf_slam {
@@ -41,24 +42,28 @@ bool is_matched(const RankedAssignment& ranked, int landmark) {
   });
 }
 
-/// Nothing that the map or this time's other new landmarks hold stands there.
+}  // namespace
+
+/// Nothing that the map or this time's other new landmarks hold stands there, as far as the sensor could
+/// tell: the pose's uncertainty has no part in it, or after a blind drive nothing would be new.
 template <class Space>
-bool is_free(std::size_t k, const std::vector<Observation<Space>>& observations,
-             const PredictedMap<Space>& map, const RankedAssignment& ranked, double distance) {
-  const typename Space::Point& place = observations[k].position_in_base;
+bool AssignmentRanking<Space>::is_free(std::size_t k, const std::vector<Observation<Space>>& observations,
+                                       const PredictedMap<Space>& map, const RankedAssignment& ranked) const {
+  const auto is_apart = [&](const typename Space::Point& other) {
+    const typename Space::Point difference = observations[k].position_in_base - other;
+    if (difference.norm() < options_.new_landmark_distance) return false;
+    const auto distance = squared_mahalanobis<Space::kPointDim>(difference, observations[k].covariance);
+    return distance && *distance >= gates_.new_landmark();
+  };
   for (int landmark = 0; landmark < map.size(); ++landmark) {
-    if ((map.point_in_base(landmark) - place).norm() < distance) return false;
+    if (!is_apart(map.point_in_base(landmark))) return false;
   }
   for (std::size_t other = 0; other < observations.size(); ++other) {
-    if (ranked.assignments[other].verdict == Verdict::kCreated &&
-        (observations[other].position_in_base - place).norm() < distance) {
-      return false;
-    }
+    const bool is_new = ranked.assignments[other].verdict == Verdict::kCreated;
+    if (is_new && !is_apart(observations[other].position_in_base)) return false;
   }
   return true;
 }
-
-}  // namespace
 
 template <class Space>
 std::vector<RankedAssignment> AssignmentRanking<Space>::rank(
@@ -83,7 +88,7 @@ std::vector<RankedAssignment> AssignmentRanking<Space>::rank(
     std::vector<Beam<Space>> extended;
     for (Beam<Space>& beam : beams) {
       std::vector<Option> choices{{{Verdict::kClutter}, 0.0}};
-      if (may_add && is_free(k, observations, map, beam.ranked, options_.new_landmark_distance)) {
+      if (may_add && is_free(k, observations, map, beam.ranked)) {
         choices.push_back({{Verdict::kCreated}, log_new});
       }
       for (const GatedPair& pair : candidates[k]) {

@@ -213,7 +213,8 @@ void visit(Visitor& v, AssociationOptions& o) {
            "of a detection's radius; 0: radii are not compared");
   v.number("association/descriptor_sigma", &o.descriptor_sigma, 0.0, kInfinity, "-",
            "length of the difference of two descriptors of one landmark; 0: they are not compared");
-  if (o.new_landmark_probability < o.gate_probability) {
+  if (o.type != AssociationOptions::Type::kMultiHypothesis &&
+      o.new_landmark_probability < o.gate_probability) {
     throw ParameterError("association/new_landmark_probability: " + text_of(o.new_landmark_probability) +
                          " given, allowed: at least association/gate_probability, " +
                          text_of(o.gate_probability));

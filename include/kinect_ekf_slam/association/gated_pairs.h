@@ -41,6 +41,7 @@ class Gates {
                      std::vector<Assignment>* assignments) const;
   /// The quantile for several sightings together, as many as `count`.
   double joint(int count) const;
+  double new_landmark() const { return new_landmark_gate_; }
   AssociationReach reach() const;
 
  private:

@@ -28,6 +28,9 @@ class AssignmentRanking {
                                      const PredictedMap<Space>& map, bool may_add) const;
 
  private:
+  bool is_free(std::size_t k, const std::vector<Observation<Space>>& observations,
+               const PredictedMap<Space>& map, const RankedAssignment& ranked) const;
+
   AssociationOptions options_;
   Gates<Space> gates_;
 };
