@@ -46,7 +46,8 @@ struct MarkerScene {
 };
 
 /// Turns scenes into markers; remembers which landmarks are shown, to remove those that have gone. In the
-/// plane landmarks are cylinders that stand on flat ellipses, in space balls in ellipsoids.
+/// plane landmarks are cylinders that stand on flat ellipses, in space balls in ellipsoids. What is not
+/// confirmed yet is faint, and a question mark ends its name.
 class MarkerPainter {
  public:
   MarkerPainter(std::string frame_id, double sigmas, SpaceType space = SpaceType::kPlanar)

@@ -151,6 +151,31 @@ TEST(MarkerPainter, NeverDrawsAnUnknownCovarianceAsZero) {
   }
 }
 
+TEST(MarkerPainter, DrawsFaintlyWhatIsNotConfirmedYet) {
+  for (const SpaceType space : {SpaceType::kPlanar, SpaceType::kSpatial}) {
+    MarkerPainter painter("map", 3.0, space);
+    MarkerScene scene{{landmark(1, "red"), landmark(2, "red"), landmark(3)}, {}, {}, {}, {}};
+    scene.map[1].confirmed = scene.map[2].confirmed = false;
+    const MarkerArray array = painter.paint(scene);
+    for (const char* part : {"landmarks", "labels", "covariance"}) {
+      const float sure = find(array, part, 1)->color.a;
+      const float unsure = find(array, part, 2)->color.a;
+      EXPECT_LT(unsure, 0.5F * sure) << part;
+      EXPECT_GT(unsure, 0.1F) << part << ": still seen";
+      EXPECT_EQ(find(array, part, 2)->color.r, find(array, part, 1)->color.r) << part;
+    }
+    EXPECT_EQ(find(array, "landmarks", 1)->color.a, 1.0F);
+    EXPECT_EQ(find(array, "labels", 1)->text, "1 red\n\n");
+    EXPECT_EQ(find(array, "labels", 2)->text, "2 red?\n\n");
+    EXPECT_EQ(find(array, "labels", 3)->text, "3?\n\n");
+
+    scene.map[1].confirmed = true;
+    const MarkerArray later = painter.paint(scene);
+    EXPECT_EQ(find(later, "landmarks", 2)->color.a, 1.0F) << "from its confirmation on like the others";
+    EXPECT_EQ(find(later, "labels", 2)->text, "2 red\n\n");
+  }
+}
+
 TEST(MarkerPainter, RemovesTheLandmarksThatHaveGone) {
   MarkerPainter painter("map", 3.0);
   painter.paint({{landmark(1), landmark(2)}, {}, {}, {}, {}});
