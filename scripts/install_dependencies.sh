@@ -21,13 +21,13 @@ packages=(
   libroscpp-dev libmessage-filters-dev libtf2-dev libtf2-ros-dev librosbag-dev librosbag-storage-dev
   libdiagnostic-updater-dev libdynamic-reconfigure-config-init-mutex-dev
   ros-message-generation ros-message-runtime libstd-msgs-dev libgeometry-msgs-dev libnav-msgs-dev
-  libsensor-msgs-dev libstd-srvs-dev libvisualization-msgs-dev libdiagnostic-msgs-dev libtf2-msgs-dev
-  ros-std-msgs ros-geometry-msgs ros-nav-msgs ros-sensor-msgs ros-std-srvs ros-visualization-msgs
+  libsensor-msgs-dev libstereo-msgs-dev libstd-srvs-dev libvisualization-msgs-dev libdiagnostic-msgs-dev libtf2-msgs-dev
+  ros-std-msgs ros-geometry-msgs ros-nav-msgs ros-sensor-msgs ros-stereo-msgs ros-std-srvs ros-visualization-msgs
   ros-diagnostic-msgs ros-tf2-msgs ros-rosgraph-msgs rospack-tools python3-genpy python3-genmsg python3-gencpp
   # ROS 1 tools and Python
   rosbash python3-roslaunch python3-rosbag python3-rosnode python3-rostopic python3-rosservice
   python3-rosparam python3-rospy python3-tf2-ros python3-dynamic-reconfigure python3-std-msgs
-  python3-geometry-msgs python3-nav-msgs python3-sensor-msgs python3-std-srvs python3-visualization-msgs
+  python3-geometry-msgs python3-nav-msgs python3-sensor-msgs python3-stereo-msgs python3-std-srvs python3-visualization-msgs
   python3-diagnostic-msgs python3-tf2-msgs python3-rosgraph-msgs
   python3-numpy python3-matplotlib python3-yaml
   # launch files, pictures and the demo

@@ -10,4 +10,6 @@ for seed in 1 9; do
   build/devel/env.sh detector_study cylinders --seed "$seed" --picture "$folder/$seed.png"
 done
 convert "$folder/1.png" "$folder/9.png" +append -strip -dither None -colors 128 PNG8:docs/images/kinect_cylinder.png
-identify -format '%d/%f %wx%h %b\n' docs/images/kinect_cylinder.png
+build/devel/env.sh detector_study features --views 80 --picture "$folder/features.png"
+convert "$folder/features.png" -strip -dither None -colors 64 PNG8:docs/images/features.png
+identify -format '%d/%f %wx%h %b\n' docs/images/kinect_cylinder.png docs/images/features.png

@@ -3,12 +3,15 @@
 #include <cstdio>
 #include <exception>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "kinect_ekf_slam/core/atomic_file.h"
 #include "kinect_ekf_slam/ros/command_line.h"
+#include "kinect_ekf_slam/ros/detector_options.h"
 #include "kinect_ekf_slam/ros/parameters.h"
+#include "kinect_ekf_slam/ros/picture_detector.h"
 #include "kinect_ekf_slam/simulation/world.h"
 #include "kinect_ekf_slam/study/consistency_study.h"
 #include "kinect_ekf_slam/study/kidnapped_study.h"
@@ -21,34 +24,38 @@ namespace {
 constexpr const char* kUsage =
     "usage: slam_study room [--world FILE.yaml] [--seeds N] [--first-seed N] [--config FILE.yaml]\n"
     "                       [--set group/key=value ...] [--json FILE]\n"
+    "       slam_study chain [--detect group/key=value ...] [--picture-rate HZ] (as room)\n"
     "       slam_study robustness (as room)\n"
     "       slam_study kidnapped (as room, without --json)\n"
     "       slam_study patrol [--minutes N] (as room, without --seeds, --first-seed and --json)\n"
     "       slam_study consistency [--space planar|spatial] [--sensor kinect|far] [--seeds N] [--loops N]\n"
     "                       [--json FILE]\n"
     "\n"
-    "room: simulates one world with many seeds, runs each through the SLAM pipeline in memory, and compares "
-    "with\n"
-    "the truth. robustness: the same with one fault of the sensors after the other from none to gross, "
-    "beside "
-    "what a\n"
-    "textbook's association makes of it. kidnapped: robots put down anywhere in the world look for "
-    "themselves in "
-    "its\n"
-    "map. patrol: round and round in one world: do map, memory and time per update stay as they are?\n"
+    "room: simulates one world with many seeds, runs each through the SLAM pipeline in memory, and\n"
+    "compares with the truth.\n"
+    "chain: the same, but what is seen is what a detector finds in rendered pictures.\n"
+    "robustness: as room, with one fault of the sensors after the other from none to gross, beside what a\n"
+    "textbook's association makes of it.\n"
+    "kidnapped: robots put down anywhere in the world look for themselves in its map.\n"
+    "patrol: round and round in one world: do map, memory and time per update stay as they are?\n"
     "  --world FILE.yaml       default: config/worlds/room.yaml; robustness and patrol: room_hard.yaml\n"
-    "  --minutes N             of simulated time; default: 60\n"
     "  --config FILE.yaml      parameters that differ from config/slam.yaml; may be given more than once\n"
     "  --set group/key=value   one parameter, over all files\n"
     "  --first-seed N          the others follow it; default: 1\n"
-    "consistency: many loops with exactly the noise that the filters assume: do their covariances tell the "
-    "truth?\n"
+    "  --detect group/key=value\n"
+    "                          one parameter of landmark_detector_node, for example\n"
+    "                          detector/type=features; default: those of config/detector.yaml and the\n"
+    "                          labels of config/palette.yaml\n"
+    "  --picture-rate HZ       default: the world's camera/rate, or 5\n"
+    "  --minutes N             of simulated time; default: 60\n"
+    "consistency: many loops with exactly the noise that the filters assume: do their covariances tell\n"
+    "the truth?\n"
     "  --space                 default: planar\n"
     "  --sensor                kinect: 0.6 to 2.6 m, far: up to 5 m, both 57 degrees wide; default: kinect\n"
     "  --loops N               default: 10\n"
     "All:\n"
-    "  --seeds N               how many, each a run; default: 100, consistency: 50\n"
-    "  --json FILE             write the figures, also those of each seed or time, there; not of kidnapped\n"
+    "  --seeds N               how many, each a run; default: 100, chain: 20, consistency: 50\n"
+    "  --json FILE             write the figures, also those of each seed or time, there\n"
     "Exit: 0 done, 2 the input cannot be used (one line says why).\n";
 
 constexpr int kMostSeeds = 1000000;
@@ -77,41 +84,52 @@ void write(const std::string& path, const std::string& json) {
   if (!path.empty()) kinect_ekf_slam::write_file_atomically(path, json);
 }
 
+void append(const std::vector<std::string>& more, std::vector<std::string>* list) {
+  list->insert(list->end(), more.begin(), more.end());
+}
+
 /// A study of a simulated room, and where its figures go.
 struct RoomRequest {
   kinect_ekf_slam::RoomStudy study;
   std::string json;
+  std::vector<std::string> detect;  ///< assignments to the detector's parameters
+  double picture_rate = 0.0;        ///< Hz; 0: the world's
   int minutes = 60;
 };
 
-/// `others`: options of other studies, which this one has no use for.
-RoomRequest parse_room(CommandLine* words, std::string world, const std::vector<std::string>& others) {
+/// `own`: the options of this study besides --world, --config and --set, which every one has.
+RoomRequest parse_room(CommandLine* words, const std::vector<std::string>& own, std::string world = kRoom,
+                       int seeds = 100) {
   RoomRequest request;
   std::vector<std::string> configs;
   std::vector<std::string> settings;
+  request.study.seeds = seeds;
   while (words->next()) {
     const std::string& word = words->word();
-    if (std::find(others.begin(), others.end(), word) != others.end()) {
-      words->fail_at_word("not an option of this study");
-    }
+    const auto is_own = [&](const char* option) {
+      return word == option && std::find(own.begin(), own.end(), word) != own.end();
+    };
     if (word == "--world") {
       world = words->value();
-    } else if (word == "--seeds") {
-      request.study.seeds = seed_count(words);
-    } else if (word == "--first-seed") {
-      request.study.first_seed = words->number<std::uint64_t>(
-          0, kMostSeeds, "a whole number from 0 to " + std::to_string(kMostSeeds));
     } else if (word == "--config") {
       configs.push_back(words->value());
     } else if (word == "--set") {
-      const std::vector<std::string> more = words->assignments();
-      settings.insert(settings.end(), more.begin(), more.end());
-    } else if (word == "--json") {
+      append(words->assignments(), &settings);
+    } else if (is_own("--seeds")) {
+      request.study.seeds = seed_count(words);
+    } else if (is_own("--first-seed")) {
+      request.study.first_seed = words->number<std::uint64_t>(
+          0, kMostSeeds, "a whole number from 0 to " + std::to_string(kMostSeeds));
+    } else if (is_own("--json")) {
       request.json = words->value();
-    } else if (word == "--minutes") {
+    } else if (is_own("--detect")) {
+      append(words->assignments(), &request.detect);
+    } else if (is_own("--picture-rate")) {
+      request.picture_rate = words->number(0.1, 1000.0, "Hz, from 0.1 to 1000");
+    } else if (is_own("--minutes")) {
       request.minutes = words->number(1, 100000, "a whole number from 1 to 100000");
     } else {
-      words->fail_at_word("unknown option of this study");
+      words->fail_at_word("not an option of this study");
     }
   }
   request.study.world = kinect_ekf_slam::read_world(world);
@@ -124,8 +142,7 @@ RoomRequest parse_room(CommandLine* words, std::string world, const std::vector<
   return request;
 }
 
-void study_room(CommandLine* words) {
-  const RoomRequest request = parse_room(words, kRoom, {"--minutes"});
+void run(const RoomRequest& request) {
   const std::vector<kinect_ekf_slam::RoomRun> runs = kinect_ekf_slam::run_study(request.study);
   const kinect_ekf_slam::RoomSummary summary = kinect_ekf_slam::summarize(runs);
   kinect_ekf_slam::clear_progress_bar();
@@ -133,8 +150,38 @@ void study_room(CommandLine* words) {
   write(request.json, kinect_ekf_slam::to_json(summary, runs));
 }
 
+void study_room(CommandLine* words) { run(parse_room(words, {"--seeds", "--first-seed", "--json"})); }
+
+kinect_ekf_slam::DetectorOptions detector_options(const std::vector<std::string>& assignments) {
+  YAML::Node yaml = YAML::LoadFile("config/detector.yaml");
+  for (const std::string& assignment : assignments) kinect_ekf_slam::set_parameter(assignment, &yaml);
+  std::vector<std::string> unread;
+  auto options = kinect_ekf_slam::read_detector_options(yaml, &unread);
+  for (const std::string& key : unread) throw kinect_ekf_slam::ParameterError(key + ": is not known");
+  if (options.palette.empty()) options.palette = "config/palette.yaml";
+  return options;
+}
+
+/// From pictures to the map.
+void study_chain(CommandLine* words) {
+  RoomRequest request =
+      parse_room(words, {"--seeds", "--first-seed", "--json", "--detect", "--picture-rate"}, kRoom, 20);
+  constexpr double kUsualRate = 5.0;  // Hz
+  double& rate = request.study.world.pictures.rate;
+  if (request.picture_rate > 0.0) rate = request.picture_rate;
+  if (rate == 0.0) rate = kUsualRate;
+  const kinect_ekf_slam::DetectorOptions options = detector_options(request.detect);
+  request.study.make_detector = [&options] {
+    const auto detector = std::make_shared<kinect_ekf_slam::PictureDetector>(options);
+    return [detector](const kinect_ekf_slam::RgbdPicture& picture, const Eigen::Vector3d& up_in_optical) {
+      return detector->detect(picture, up_in_optical);
+    };
+  };
+  run(request);
+}
+
 void study_robustness(CommandLine* words) {
-  const RoomRequest request = parse_room(words, kHardRoom, {"--minutes"});
+  const RoomRequest request = parse_room(words, {"--seeds", "--first-seed", "--json"}, kHardRoom);
   const auto sweeps = kinect_ekf_slam::run_robustness(request.study, kinect_ekf_slam::common_faults());
   kinect_ekf_slam::clear_progress_bar();
   std::fputs(kinect_ekf_slam::to_table(sweeps).c_str(), stdout);
@@ -142,7 +189,7 @@ void study_robustness(CommandLine* words) {
 }
 
 void study_patrol(CommandLine* words) {
-  const RoomRequest request = parse_room(words, kHardRoom, {"--seeds", "--first-seed", "--json"});
+  const RoomRequest request = parse_room(words, {"--minutes"}, kHardRoom);
   kinect_ekf_slam::PatrolStudy study;
   study.world = request.study.world;
   study.pipeline = request.study.pipeline;
@@ -154,7 +201,7 @@ void study_patrol(CommandLine* words) {
 }
 
 void study_kidnapped(CommandLine* words) {
-  const RoomRequest request = parse_room(words, kRoom, {"--minutes", "--json"});
+  const RoomRequest request = parse_room(words, {"--seeds", "--first-seed"});
   if (request.study.world.is_spatial()) words->fail("kidnapped: the world must be a planar one");
   kinect_ekf_slam::KidnappedStudy study;
   study.world = request.study.world;
@@ -212,15 +259,13 @@ int main(int argc, char** argv) {
   CommandLine words("slam_study", kUsage, argc, argv);
   try {
     const std::string study = words.next() ? words.word() : "";
-    const std::map<std::string, void (*)(CommandLine*)> studies = {{"room", study_room},
-                                                                   {"robustness", study_robustness},
-                                                                   {"kidnapped", study_kidnapped},
-                                                                   {"patrol", study_patrol},
-                                                                   {"consistency", study_consistency}};
+    const std::map<std::string, void (*)(CommandLine*)> studies = {
+        {"room", study_room},           {"chain", study_chain},   {"robustness", study_robustness},
+        {"kidnapped", study_kidnapped}, {"patrol", study_patrol}, {"consistency", study_consistency}};
     const auto chosen = studies.find(study);
     if (chosen == studies.end()) {
       words.fail("'" + study +
-                 "' given, allowed: room, robustness, kidnapped, patrol, consistency; see --help");
+                 "' given, allowed: room, chain, robustness, kidnapped, patrol, consistency; see --help");
     }
     chosen->second(&words);
   } catch (const std::exception& error) {

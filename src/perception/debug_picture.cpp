@@ -27,7 +27,7 @@ std::string describe(const Finding& finding) {
     std::snprintf(text, sizeof(text), "r %.3f at %.2f m, %.1f", signature.radius, finding.position.z(),
                   finding.score);
   }
-  return signature.label + " " + text;
+  return signature.label.empty() ? text : signature.label + " " + text;
 }
 
 }  // namespace

@@ -189,12 +189,8 @@ class CandidateJudge {
                                     blur * blur * direction * direction.transpose();
     in_plan(2, 2) = kHeightSigma * kHeightSigma + blur * blur;
     const Eigen::Matrix3d& turn = plan_.optical_from_plan();
-    const double calibration = options_.noise.calibration;
-    const double pointing = options_.noise.pointing * position.norm();
-    const Eigen::Vector3d ray = position.normalized();
     const Eigen::Matrix3d covariance =
-        turn * in_plan * turn.transpose() + calibration * calibration * position * position.transpose() +
-        pointing * pointing * (Eigen::Matrix3d::Identity() - ray * ray.transpose());
+        turn * in_plan * turn.transpose() + options_.noise.camera_covariance(position);
     return 0.5 * (covariance + covariance.transpose());
   }
 

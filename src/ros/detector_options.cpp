@@ -9,6 +9,11 @@ namespace {
 void visit_inputs(ParameterVisitor& v, DetectorOptions& o) {
   v.text("input/colour_topic", &o.colour_topic, false, "sensor_msgs/Image, rectified");
   v.text("input/depth_topic", &o.depth_topic, false, "sensor_msgs/Image, registered to the colour");
+  v.choice<DepthSource>("input/depth_source", &o.depth_source,
+                        {{"depth", DepthSource::kDepth}, {"disparity", DepthSource::kDisparity}},
+                        "a depth picture, or the disparity of a stereo camera");
+  v.text("input/disparity_topic", &o.disparity_topic, false,
+         "stereo_msgs/DisparityImage of the left camera, whose picture is the colour");
   v.text("input/info_topic", &o.info_topic, false, "sensor_msgs/CameraInfo of the colour");
   v.text("input/scan_topic", &o.scan_topic, false, "sensor_msgs/LaserScan");
   v.text("input/level_frame", &o.level_frame, true, "a tf frame whose Z points up, as a prior for the floor");
@@ -61,6 +66,34 @@ void visit(ParameterVisitor& v, FiducialOptions& o) {
            "smaller ones are not trusted");
 }
 
+void visit(ParameterVisitor& v, FeatureOptions& o) {
+  v.choice<KeypointType>("features/type", &o.keypoints.type,
+                         {{"orb", KeypointType::kOrb},
+                          {"harris", KeypointType::kHarris},
+                          {"sift", KeypointType::kSift},
+                          {"akaze", KeypointType::kAkaze}},
+                         "of the keypoints");
+  v.integer("features/count", &o.keypoints.count, 8, 5000, "-", "keypoints of a picture, at most");
+  v.integer("features/cell_size", &o.keypoints.cell_size, 8, 4096, "pixels",
+            "over whose cells they are spread");
+  v.number("features/ratio", &o.matching.ratio, 0.1, 1.0, "-", "of the best to the second best match");
+  v.number("features/epipolar_error", &o.matching.epipolar_error, 0.1, 100.0, "pixels",
+           "of a match, at most");
+  v.number("features/reprojection_error", &o.two_views.reprojection_error, 0.1, 100.0, "pixels",
+           "RANSAC's bound for what moves with the camera only");
+  v.number("features/pixel_sigma", &o.two_views.pixel_sigma, 0.01, 100.0, "pixels", "of a keypoint");
+  v.integer("features/min_sightings", &o.min_sightings, 2, 1000, "pictures", "before a feature is reported");
+  v.integer("features/most", &o.most, 1, 1000, "-", "that are reported of a picture");
+  v.integer("features/remembered_keyframes", &o.remembered_keyframes, 0, 10000, "pictures",
+            "in which lost features are looked for");
+  v.number("features/min_depth", &o.min_depth, 0.01, 100.0, "m", "nearer readings are not used");
+  v.number("features/max_depth", &o.max_depth, 0.1, 100.0, "m", "farther readings are not used");
+  v.number(
+      "features/depth_sigma_per_m", &o.noise.sigma_per_m, 1e-6, 1.0, "1/m",
+      "sigma of a depth over its square; of a stereo camera: that of its disparity over f times baseline");
+  v.number("features/depth_step_per_m", &o.noise.step_per_m, 0.0, 1.0, "1/m", "its step likewise");
+}
+
 }  // namespace
 
 DetectorOptions read_detector_options(const YAML::Node& yaml, std::vector<std::string>* unread) {
@@ -69,7 +102,8 @@ DetectorOptions read_detector_options(const YAML::Node& yaml, std::vector<std::s
   visitor.choice<DetectorType>("detector/type", &options.type,
                                {{"kinect_cylinder", DetectorType::kKinectCylinder},
                                 {"laser_cylinder", DetectorType::kLaserCylinder},
-                                {"aruco", DetectorType::kAruco}},
+                                {"aruco", DetectorType::kAruco},
+                                {"features", DetectorType::kFeatures}},
                                "what is looked for, and with which sensor");
   visitor.text("detector/palette", &options.palette, true,
                "file with the names of the colours; empty: no labels");
@@ -77,6 +111,7 @@ DetectorOptions read_detector_options(const YAML::Node& yaml, std::vector<std::s
   visit(visitor, options.kinect_cylinder);
   visit(visitor, options.laser_cylinder);
   visit(visitor, options.fiducial);
+  visit(visitor, options.features);
   if (unread != nullptr) *unread = visitor.unread();
   return options;
 }

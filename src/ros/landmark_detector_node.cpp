@@ -1,7 +1,6 @@
 #include "kinect_ekf_slam/ros/landmark_detector_node.h"
 
 #include <cv_bridge/cv_bridge.h>
-#include <image_geometry/pinhole_camera_model.h>
 #include <tf2/exceptions.h>
 
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "kinect_ekf_slam/ros/conversions.h"
 #include "kinect_ekf_slam/ros/detector_messages.h"
 #include "kinect_ekf_slam/ros/names.h"
+#include "kinect_ekf_slam/ros/picture_messages.h"
 
 namespace kinect_ekf_slam {
 namespace {
@@ -28,32 +28,10 @@ void for_each_live(Options& options, Config& config, const Pair& pair) {
   pair(options.laser_cylinder.range_sigma, config.laser_cylinder_range_sigma);
   pair(options.laser_cylinder.max_misfit, config.laser_cylinder_max_misfit);
   pair(options.fiducial.corner_sigma, config.aruco_corner_sigma);
-}
-
-PinholeCamera camera_of(const sensor_msgs::CameraInfo& info, const cv::Mat& image) {
-  if (static_cast<int>(info.width) != image.cols || static_cast<int>(info.height) != image.rows) {
-    throw PictureError("camera_info is for " + std::to_string(info.width) + " x " +
-                       std::to_string(info.height) + " pixels, the picture has " +
-                       std::to_string(image.cols) + " x " + std::to_string(image.rows));
-  }
-  image_geometry::PinholeCameraModel model;
-  model.fromCameraInfo(info);
-  return {model.fx(), model.fy(), model.cx(), model.cy()};
-}
-
-/// cv_bridge checks step and size of the data.
-cv::Mat colour_of(const sensor_msgs::ImageConstPtr& message) {
-  return cv_bridge::toCvShare(message, sensor_msgs::image_encodings::BGR8)->image;
-}
-
-cv::Mat depth_of(const sensor_msgs::ImageConstPtr& message) {
-  namespace encodings = sensor_msgs::image_encodings;
-  const bool is_depth = message->encoding == encodings::TYPE_16UC1 ||
-                        message->encoding == encodings::MONO16 || message->encoding == encodings::TYPE_32FC1;
-  if (!is_depth) {
-    throw PictureError("depth has the encoding '" + message->encoding + "', allowed: 16UC1 (mm), 32FC1 (m)");
-  }
-  return cv_bridge::toCvShare(message)->image;
+  pair(options.features.matching.ratio, config.features_ratio);
+  pair(options.features.matching.epipolar_error, config.features_epipolar_error);
+  pair(options.features.two_views.reprojection_error, config.features_reprojection_error);
+  pair(options.features.two_views.pixel_sigma, config.features_pixel_sigma);
 }
 
 }  // namespace
@@ -66,23 +44,16 @@ LandmarkDetectorNode::LandmarkDetectorNode(const ros::NodeHandle& handle,
       transport_(private_handle),
       transforms_(transforms),
       options_(options),
-      live_(ros::NodeHandle(private_handle, names::kLive)),
+      live_(live_mutex_, ros::NodeHandle(private_handle, names::kLive)),
       diagnostics_(handle, private_handle) {
-  if (!options.palette.empty()) palette_ = read_palette(options.palette);
   landmarks_ = handle_.advertise<LandmarkDetectionArray>("landmarks", 10);
   debug_ = transport_.advertise("debug", 1);
-  switch (options.type) {
-    case DetectorType::kKinectCylinder:
-      connect_depth();
-      break;
-    case DetectorType::kAruco:
-      fiducials_.emplace(options.fiducial);
-      connect_colour();
-      break;
-    case DetectorType::kLaserCylinder:
-      scans_ = handle_.subscribe(options.scan_topic, static_cast<std::uint32_t>(options.queue_size),
-                                 &LandmarkDetectorNode::on_scan, this);
-      break;
+  if (options.type == DetectorType::kLaserCylinder) {
+    scans_ = handle_.subscribe(options.scan_topic, static_cast<std::uint32_t>(options.queue_size),
+                               &LandmarkDetectorNode::on_scan, this);
+  } else {
+    pictures_.emplace(options);
+    connect_pictures();
   }
   DetectorConfig config = DetectorConfig::__getDefault__();
   for_each_live(options_, config, [](const auto& option, auto& live) { live = option; });
@@ -95,27 +66,30 @@ LandmarkDetectorNode::LandmarkDetectorNode(const ros::NodeHandle& handle,
                                       [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
 }
 
-void LandmarkDetectorNode::connect_depth() {
+void LandmarkDetectorNode::connect_pictures() {
   const auto queue = static_cast<std::uint32_t>(options_.queue_size);
-  image_transport::ImageTransport transport(handle_);
-  colours_.subscribe(transport, options_.colour_topic, queue);
-  depths_.subscribe(transport, options_.depth_topic, queue);
-  infos_.subscribe(handle_, options_.info_topic, queue);
-  synchronizer_ =
-      std::make_unique<message_filters::Synchronizer<Policy>>(Policy(queue), colours_, depths_, infos_);
-  synchronizer_->setMaxIntervalDuration(ros::Duration(options_.max_interval));
-  synchronizer_->registerCallback(&LandmarkDetectorNode::on_depth_picture, this);
-}
-
-void LandmarkDetectorNode::connect_colour() {
-  const auto queue = static_cast<std::uint32_t>(options_.queue_size);
+  const ros::Duration interval(options_.max_interval);
   image_transport::ImageTransport transport(handle_);
   colours_.subscribe(transport, options_.colour_topic, queue);
   infos_.subscribe(handle_, options_.info_topic, queue);
-  colour_synchronizer_ =
-      std::make_unique<message_filters::Synchronizer<ColourPolicy>>(ColourPolicy(queue), colours_, infos_);
-  colour_synchronizer_->setMaxIntervalDuration(ros::Duration(options_.max_interval));
-  colour_synchronizer_->registerCallback(&LandmarkDetectorNode::on_colour_picture, this);
+  if (options_.type == DetectorType::kAruco) {
+    colour_synchronizer_ =
+        std::make_unique<message_filters::Synchronizer<ColourPolicy>>(ColourPolicy(queue), colours_, infos_);
+    colour_synchronizer_->setMaxIntervalDuration(interval);
+    colour_synchronizer_->registerCallback(&LandmarkDetectorNode::on_colour_picture, this);
+  } else if (options_.depth_source == DepthSource::kDisparity) {
+    disparities_.subscribe(handle_, options_.disparity_topic, queue);
+    stereo_synchronizer_ = std::make_unique<message_filters::Synchronizer<StereoPolicy>>(
+        StereoPolicy(queue), colours_, disparities_, infos_);
+    stereo_synchronizer_->setMaxIntervalDuration(interval);
+    stereo_synchronizer_->registerCallback(&LandmarkDetectorNode::on_stereo_picture, this);
+  } else {
+    depths_.subscribe(transport, options_.depth_topic, queue);
+    synchronizer_ =
+        std::make_unique<message_filters::Synchronizer<Policy>>(Policy(queue), colours_, depths_, infos_);
+    synchronizer_->setMaxIntervalDuration(interval);
+    synchronizer_->registerCallback(&LandmarkDetectorNode::on_depth_picture, this);
+  }
 }
 
 template <class Detect>
@@ -134,35 +108,27 @@ void LandmarkDetectorNode::process(const std_msgs::Header& header, const Detect&
   }
 }
 
+Findings LandmarkDetectorNode::look_at(const std_msgs::Header& header, const RgbdPicture& picture) {
+  Findings findings = pictures_->detect(picture, up_in(header));
+  publish_debug(header, picture.colour, findings);
+  return findings;
+}
+
 void LandmarkDetectorNode::on_depth_picture(const sensor_msgs::ImageConstPtr& colour,
                                             const sensor_msgs::ImageConstPtr& depth,
                                             const sensor_msgs::CameraInfoConstPtr& info) {
-  process(colour->header, [&] {
-    if (depth->header.frame_id != colour->header.frame_id) {
-      throw PictureError("depth is in frame '" + depth->header.frame_id + "', colour in '" +
-                         colour->header.frame_id + "': registered depth is needed");
-    }
-    RgbdPicture picture;
-    picture.colour = colour_of(colour);
-    picture.depth = depth_of(depth);
-    picture.camera = camera_of(*info, picture.colour);
-    const KinectCylinderDetector detector(options_.kinect_cylinder, palette_);
-    Findings findings = detector.detect(picture, up_in(colour->header));
-    publish_debug(colour->header, picture.colour, findings);
-    return findings;
-  });
+  process(colour->header, [&] { return look_at(colour->header, to_picture(colour, depth, *info)); });
+}
+
+void LandmarkDetectorNode::on_stereo_picture(const sensor_msgs::ImageConstPtr& colour,
+                                             const stereo_msgs::DisparityImageConstPtr& disparity,
+                                             const sensor_msgs::CameraInfoConstPtr& info) {
+  process(colour->header, [&] { return look_at(colour->header, to_picture(colour, *disparity, *info)); });
 }
 
 void LandmarkDetectorNode::on_colour_picture(const sensor_msgs::ImageConstPtr& colour,
                                              const sensor_msgs::CameraInfoConstPtr& info) {
-  process(colour->header, [&] {
-    RgbdPicture picture;
-    picture.colour = colour_of(colour);
-    picture.camera = camera_of(*info, picture.colour);
-    Findings findings = fiducials_->detect(picture);
-    publish_debug(colour->header, picture.colour, findings);
-    return findings;
-  });
+  process(colour->header, [&] { return look_at(colour->header, to_picture(colour, *info)); });
 }
 
 void LandmarkDetectorNode::on_scan(const sensor_msgs::LaserScanConstPtr& scan) {
@@ -201,7 +167,7 @@ void LandmarkDetectorNode::on_live_change(const DetectorConfig& config) {
     return;
   }
   for_each_live(options_, config, [](auto& option, const auto& live) { option = live; });
-  if (fiducials_) fiducials_.emplace(options_.fiducial);
+  if (pictures_) pictures_->set_options(options_);
 }
 
 void LandmarkDetectorNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {

@@ -23,6 +23,7 @@ constexpr double kFlat = 0.01;            // m, height of what lies on the floor
 constexpr double kSmallest = 0.004;       // m: an ellipse stays visible
 constexpr double kLineHeight = 0.1;       // m, of a line from the robot to a cylinder
 constexpr double kThin = 0.015;           // m, width of a line
+constexpr float kFaint = 0.35F;           // alpha of a landmark that is not confirmed
 constexpr double kWedgeLength = 0.6;      // m
 constexpr double kWidestWedge = 0.5 * kPi;
 
@@ -114,7 +115,7 @@ Marker MarkerPainter::marker(const std::string& space, int id, int type) const {
   return marker;
 }
 
-MarkerArray MarkerPainter::paint(const Scene& scene) {
+MarkerArray MarkerPainter::paint(const MarkerScene& scene) {
   stamp_ = to_ros(scene.pose.stamp);
   MarkerArray array;
   paint_landmarks(scene, &array);
@@ -161,10 +162,11 @@ Marker MarkerPainter::body_of(const Landmark3d& landmark) const {
     body.scale.z = kLandmarkHeight;
   }
   body.color = label_color(landmark.label);
+  if (!landmark.confirmed) body.color.a = kFaint;
   return body;
 }
 
-void MarkerPainter::paint_landmarks(const Scene& scene, MarkerArray* array) {
+void MarkerPainter::paint_landmarks(const MarkerScene& scene, MarkerArray* array) {
   std::set<int> gone;
   gone.swap(shown_);
   for (const Landmark3d& landmark : scene.map) {
@@ -178,15 +180,16 @@ void MarkerPainter::paint_landmarks(const Scene& scene, MarkerArray* array) {
     name.pose.position = to_point(landmark.position_in_map);
     name.pose.position.z += top + 0.12;
     name.scale.z = 0.16;
-    name.color = color(1.0, 1.0, 1.0, 1.0);
-    // The blank lines lift the text above the landmark, wherever one looks from.
-    name.text = std::to_string(landmark.id) + (landmark.label.empty() ? "" : " " + landmark.label) + "\n\n";
+    name.color = color(1.0, 1.0, 1.0, shade.a);
+    name.text = std::to_string(landmark.id) + (landmark.label.empty() ? "" : " " + landmark.label);
+    if (!landmark.confirmed) name.text += "?";
+    name.text += "\n\n";  // lifts it above the landmark, wherever one looks from
     array->markers.push_back(name);
 
     array->markers.push_back(
         spread("covariance", landmark.id, landmark.position_in_map, landmark.covariance));
     array->markers.back().color = shade;
-    array->markers.back().color.a = 0.4F;
+    array->markers.back().color.a *= 0.4F;
   }
   for (const int id : gone) {
     for (const char* space : {"landmarks", "labels", "covariance"}) {
@@ -196,7 +199,7 @@ void MarkerPainter::paint_landmarks(const Scene& scene, MarkerArray* array) {
   }
 }
 
-void MarkerPainter::paint_robot(const Scene& scene, MarkerArray* array) const {
+void MarkerPainter::paint_robot(const MarkerScene& scene, MarkerArray* array) const {
   Marker position = spread("robot_position", 0, scene.pose.map_from_base.translation(),
                            scene.pose.covariance.topLeftCorner<3, 3>());
   if (is_planar()) position.pose.position.z += 4.0 * kFlat;
@@ -237,7 +240,7 @@ void MarkerPainter::paint_robot(const Scene& scene, MarkerArray* array) const {
   array->markers.push_back(body);
 }
 
-void MarkerPainter::paint_associations(const Scene& scene, MarkerArray* array) const {
+void MarkerPainter::paint_associations(const MarkerScene& scene, MarkerArray* array) const {
   Marker lines = marker("associations", 0, Marker::LINE_LIST);
   lines.scale.x = kThin;
   lines.color.a = 1.0F;

@@ -9,7 +9,9 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "kinect_ekf_slam/ros/picture_messages.h"
 #include "kinect_ekf_slam/ros/simulation_messages.h"
+#include "kinect_ekf_slam/study/simulated_picture.h"
 
 namespace kinect_ekf_slam {
 namespace {
@@ -21,7 +23,8 @@ std::string absolute(const std::string& topic) { return "/" + topic; }
 
 class BagWriter {
  public:
-  BagWriter(const World& world, rosbag::Bag* bag) : messages_(world, kSimulationStart), bag_(bag) {}
+  BagWriter(const World& world, std::uint64_t seed, rosbag::Bag* bag)
+      : messages_(world, kSimulationStart), camera_(world, seed), bag_(bag) {}
 
   void write_start(const Sample& sample) {
     // A little before everything else: readers that sort by time must have them first.
@@ -47,6 +50,13 @@ class BagWriter {
     if (sample.sightings) {
       bag_->write(absolute(simulation_topics::kLandmarks), time, messages_.landmarks(sample));
     }
+    if (sample.takes_picture) {
+      const PictureMessages picture =
+          to_messages(camera_.take(sample.world_from_base), messages_.optical_header(sample));
+      bag_->write(absolute(simulation_topics::kColour), time, picture.colour);
+      bag_->write(absolute(simulation_topics::kDepth), time, picture.depth);
+      bag_->write(absolute(simulation_topics::kCameraInfo), time, picture.info);
+    }
   }
 
  private:
@@ -63,6 +73,7 @@ class BagWriter {
   }
 
   SimulationMessages messages_;
+  SimulatedCamera camera_;
   rosbag::Bag* bag_;
 };
 
@@ -72,7 +83,7 @@ constexpr double kLongestDrive = 1800.0;
 /// Until when there is something to record, s; known only while the robot drives.
 double simulate(const SimulationBagRequest& request, rosbag::Bag* bag) {
   Simulator simulator(request.world, request.seed);
-  BagWriter writer(request.world, bag);
+  BagWriter writer(request.world, request.seed, bag);
   double end = request.duration;
   for (Sample sample = simulator.next();; sample = simulator.next()) {
     const double now = to_seconds(sample.stamp);

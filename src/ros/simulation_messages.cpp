@@ -127,10 +127,16 @@ sensor_msgs::Imu SimulationMessages::imu(const Sample& sample) const {
 
 LandmarkDetectionArray SimulationMessages::landmarks(const Sample& sample) const {
   LandmarkDetectionArray message;
-  message.header.stamp = stamp(sample);
-  message.header.frame_id = kOpticalFrame;
+  message.header = optical_header(sample);
   for (const Sighting& sighting : *sample.sightings) message.detections.push_back(to_message(sighting));
   return message;
+}
+
+std_msgs::Header SimulationMessages::optical_header(const Sample& sample) const {
+  std_msgs::Header header;
+  header.stamp = stamp(sample);
+  header.frame_id = kOpticalFrame;
+  return header;
 }
 
 geometry_msgs::PoseStamped SimulationMessages::true_pose(const Sample& sample) const {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "kinect_ekf_slam/ros/conversions.h"
+#include "kinect_ekf_slam/ros/picture_messages.h"
 #include "kinect_ekf_slam/ros/simulation_bag.h"
 
 namespace kinect_ekf_slam {
@@ -16,6 +17,7 @@ constexpr double kCommandTimeout = 0.5;  // s
 constexpr std::uint32_t kQueue = 100;
 constexpr double kLongestDuration = 1e6;  // s
 constexpr double kLargestFactor = 100.0;
+constexpr double kLargestPictureRate = 1000.0;  // Hz
 
 [[noreturn]] void fail(const std::string& key, const std::string& given, const std::string& allowed) {
   throw std::runtime_error("~" + key + ": '" + given + "' given, allowed: " + allowed);
@@ -27,6 +29,12 @@ double number(const ros::NodeHandle& handle, const std::string& key, double valu
     fail(key, std::to_string(value), "from " + std::to_string(low) + " to " + std::to_string(high));
   }
   return value;
+}
+
+World world_of(const SimulatorNodeOptions& options) {
+  World world = read_world(options.world);
+  if (options.picture_rate) world.pictures.rate = *options.picture_rate;
+  return world;
 }
 
 /// The clock that others see; the run's own one when this node makes the time.
@@ -57,13 +65,17 @@ SimulatorNodeOptions read_simulator_node_options(const ros::NodeHandle& private_
   if (options.rate_factor != 1.0 && !options.publish_clock) {
     fail("rate_factor", std::to_string(options.rate_factor), "1 unless ~publish_clock is true");
   }
+  if (private_handle.hasParam("picture_rate")) {
+    options.picture_rate = number(private_handle, "picture_rate", 0.0, 0.0, kLargestPictureRate);
+  }
   return options;
 }
 
 SimulatorNode::SimulatorNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
                              const SimulatorNodeOptions& options)
     : options_(options),
-      simulator_(read_world(options.world), options.seed),
+      simulator_(world_of(options), options.seed),
+      camera_(simulator_.world(), options.seed),
       wall_start_(ros::WallTime::now()),
       start_(first_stamp(options.publish_clock)),
       messages_(simulator_.world(), to_time(start_)) {
@@ -74,6 +86,7 @@ SimulatorNode::SimulatorNode(ros::NodeHandle handle, ros::NodeHandle private_han
   true_pose_publisher_ = handle.advertise<geometry_msgs::PoseStamped>(topics::kTruePose, kQueue);
   true_landmarks_publisher_ = handle.advertise<LandmarkMap>(topics::kTrueLandmarks, 1, true);
   markers_publisher_ = private_handle.advertise<visualization_msgs::MarkerArray>("markers", 1, true);
+  if (simulator_.world().pictures.rate > 0.0) advertise_pictures(handle);
   if (options_.publish_clock) clock_publisher_ = handle.advertise<rosgraph_msgs::Clock>("/clock", kQueue);
   if (options_.by_command) {
     simulator_.set_command({});
@@ -83,6 +96,16 @@ SimulatorNode::SimulatorNode(ros::NodeHandle handle, ros::NodeHandle private_han
   next_ = simulator_.next();
   timer_ =
       handle.createWallTimer(ros::WallDuration(kTick), [this](const ros::WallTimerEvent&) { on_tick(); });
+}
+
+void SimulatorNode::advertise_pictures(const ros::NodeHandle& handle) {
+  namespace topics = simulation_topics;
+  constexpr std::uint32_t kPictures = 5;
+  image_transport::ImageTransport transport(handle);
+  colour_publisher_ = transport.advertise(topics::kColour, kPictures);
+  depth_publisher_ = transport.advertise(topics::kDepth, kPictures);
+  info_publisher_ =
+      ros::NodeHandle(handle).advertise<sensor_msgs::CameraInfo>(topics::kCameraInfo, kPictures);
 }
 
 TimeNs SimulatorNode::due() const {
@@ -137,6 +160,15 @@ void SimulatorNode::publish(const Sample& sample) {
     true_pose_publisher_.publish(messages_.true_pose(sample));
   }
   if (sample.sightings) landmarks_publisher_.publish(messages_.landmarks(sample));
+  if (sample.takes_picture) publish_picture(sample);
+}
+
+void SimulatorNode::publish_picture(const Sample& sample) {
+  const PictureMessages picture =
+      to_messages(camera_.take(sample.world_from_base), messages_.optical_header(sample));
+  colour_publisher_.publish(picture.colour);
+  depth_publisher_.publish(picture.depth);
+  info_publisher_.publish(picture.info);
 }
 
 void SimulatorNode::publish_once() {

@@ -260,7 +260,7 @@ void SlamNode::publish_transform(const Pose3d& pose, const geometry_msgs::Pose& 
 void SlamNode::publish_scene() {
   if (!scene_changed_ || !finite_) return;
   scene_changed_ = false;
-  Scene scene;
+  MarkerScene scene;
   scene.map = session_.pipeline().map();
   scene.pose = session_.pose_at(session_.newest());
   health_.note_map(scene.map.size());

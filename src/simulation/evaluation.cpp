@@ -14,6 +14,7 @@ template <class Space>
 struct Pairs {
   Points<Space> truth;
   Points<Space> estimate;
+  std::vector<std::pair<std::size_t, std::size_t>> indices;
 };
 
 template <class Space>
@@ -36,6 +37,7 @@ Pairs<Space> match(const Points<Space>& truth, const Points<Space>& estimate,
     if ((moved[k] - truth[i]).norm() > largest_distance || nearest<Space>(truth, moved[k]) != i) continue;
     pairs.truth.push_back(truth[i]);
     pairs.estimate.push_back(estimate[k]);
+    pairs.indices.emplace_back(i, k);
   }
   return pairs;
 }
@@ -76,6 +78,7 @@ MapComparison compare_maps(const Points<Space>& truth, const Points<Space>& esti
   comparison.true_landmarks = truth.size();
   comparison.estimated_landmarks = estimate.size();
   comparison.matched = pairs.truth.size();
+  comparison.pairs = pairs.indices;
   double aligned = 0.0;
   double unaligned = 0.0;
   for (std::size_t i = 0; i < pairs.truth.size(); ++i) {

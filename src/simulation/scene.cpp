@@ -2,15 +2,36 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
+#include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/core/random_stream.h"
 
 namespace kinect_ekf_slam {
+
+Rgb paint(const std::string& label) {
+  static const std::map<std::string, Rgb> kPaints{{"red", {190, 35, 30}},      {"orange", {220, 110, 25}},
+                                                  {"yellow", {215, 190, 30}},  {"green", {40, 150, 50}},
+                                                  {"cyan", {30, 170, 190}},    {"blue", {35, 70, 180}},
+                                                  {"magenta", {190, 40, 150}}, {"purple", {120, 45, 160}}};
+  const auto found = kPaints.find(label);
+  return found != kPaints.end() ? found->second : Rgb{140, 140, 140};
+}
 
 Rgb Texture::at(double along, double down) const {
   const int column = std::clamp(static_cast<int>(along * columns), 0, columns - 1);
   const int row = std::clamp(static_cast<int>(down * rows), 0, rows - 1);
   return pixels[static_cast<std::size_t>(row) * columns + column];
+}
+
+void Scene::add_ball(const Eigen::Vector3d& center_in_world, double radius, const Rgb& colour) {
+  constexpr int kSlices = 8;
+  const auto height = [&](int slice) { return -radius * std::cos(kPi * slice / kSlices); };
+  const auto width = [&](int slice) { return radius * std::sin(kPi * slice / kSlices); };
+  for (int i = 0; i < kSlices; ++i) {
+    const Eigen::Vector3d foot = center_in_world + Eigen::Vector3d(0.0, 0.0, height(i));
+    bodies.push_back({foot, {0.0, 0.0, height(i + 1) - height(i)}, width(i), width(i + 1), colour});
+  }
 }
 
 void Scene::add_box(const Eigen::Vector2d& place_in_world, double yaw, const Eigen::Vector3d& size,

@@ -77,6 +77,7 @@ Simulator::Simulator(const World& world, std::uint64_t seed)
       odometry_ticker_{world.wheels.rate},
       gyro_ticker_{world.gyro.rate},
       sensor_ticker_{world.sensor.rate},
+      camera_ticker_{world.pictures.rate},
       world_from_base_(world.drive.world_from_start),
       odom_from_base_(world.is_spatial() ? RobotPose(Se3()) : RobotPose(Se2())) {
   for (double& scale : wheel_scale_) scale = 1.0 + world.wheels.scale_sigma * wheel_random_.normal();
@@ -85,12 +86,13 @@ Simulator::Simulator(const World& world, std::uint64_t seed)
 }
 
 Sample Simulator::next() {
-  advance(std::min({odometry_ticker_.due(), gyro_ticker_.due(), sensor_ticker_.due()}));
+  advance(std::min({odometry_ticker_.due(), gyro_ticker_.due(), sensor_ticker_.due(), camera_ticker_.due()}));
   Sample sample;
   sample.stamp = now_;
   sample.world_from_base = world_from_base_.to_3d();
   if (gyro_ticker_.take(now_)) sample.gyro_rate_in_imu = read_gyro();
   if (sensor_ticker_.take(now_)) sample.sightings = look();
+  sample.takes_picture = camera_ticker_.take(now_);
   if (odometry_ticker_.take(now_)) {
     sample.odometry = read_odometry();
     choose_velocity();

@@ -54,6 +54,8 @@ class Section {
     return {node, file_, name(key)};
   }
 
+  bool has(const std::string& key) { return find(key).IsDefined(); }
+
   std::vector<Section> list(const std::string& key, const std::string& allowed) {
     const YAML::Node node = required(key, allowed);
     if (!node.IsSequence()) fail(name(key), node, allowed);
@@ -227,6 +229,41 @@ void read_landmarks(Section& root, bool spatial, World* world) {
   }
 }
 
+void read_panels(Section& root, const Bounds& bounds, World* world) {
+  if (!root.has("panels")) return;
+  for (Section& item : root.list("panels", "a list of {x, y, z, facing_deg, size, print, id}")) {
+    WorldPanel panel;
+    Eigen::Vector3d& center = panel.center_in_world;
+    item.required_number("x", 0.0, bounds.high.x(), &center.x());
+    item.required_number("y", 0.0, bounds.high.y(), &center.y());
+    item.required_number("z", 0.0, bounds.high.z(), &center.z());
+    item.required_number("facing_deg", -360.0, 360.0, &panel.facing_deg);
+    item.required_number("size", 0.01, kLargestRoom, &panel.size);
+    const bool is_fiducial = item.choice("print", {"blotches", "fiducial"}) == "fiducial";
+    panel.print = is_fiducial ? WorldPanel::Print::kFiducial : WorldPanel::Print::kBlotches;
+    constexpr int kMostFiducials = 50;  // of the dictionary
+    item.integer("id", 0, is_fiducial ? kMostFiducials - 1 : kLargestCount, &panel.id);
+    item.refuse_unknown();
+    world->panels.push_back(panel);
+  }
+}
+
+void read_room(Section& root, bool spatial, World* world) {
+  Section room = root.section("room");
+  world->room_size = room.required_point(
+      "size", {spatial, Eigen::Vector3d::Constant(0.5), Eigen::Vector3d::Constant(kLargestRoom)});
+  if (spatial) {
+    world->wall_height = world->room_size.z();
+  } else {
+    room.number("wall_height", 0.0, kLargestRoom, &world->wall_height);
+  }
+  world->has_blotches = room.choice("surface", {"plain", "blotches"}) == "blotches";
+  room.refuse_unknown();
+  Eigen::Vector3d high = world->room_size;
+  high.z() = world->wall_height;
+  read_panels(root, {true, Eigen::Vector3d::Zero(), high}, world);
+}
+
 RobotPose read_start(Section start, const Bounds& bounds) {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Vector3d rpy_deg = Eigen::Vector3d::Zero();
@@ -300,19 +337,27 @@ void read_sensor(Section sensor, KinectOptions* o) {
   sensor.refuse_unknown();
 }
 
+void read_camera(Section camera, PictureOptions* o) {
+  constexpr int kLargestPicture = 4096;  // pixels
+  camera.number("rate", 0.0, 1000.0, &o->rate);
+  camera.integer("width", 16, kLargestPicture, &o->camera.width);
+  camera.integer("height", 16, kLargestPicture, &o->camera.height);
+  camera.number("focal_length", 1.0, 1e5, &o->camera.focal_length);
+  camera.boolean("errors", &o->has_errors);
+  camera.refuse_unknown();
+}
+
 World read(const YAML::Node& yaml, const std::string& file) {
   Section root(yaml, file, "");
   World world;
   const bool spatial = root.choice("space", {Planar::kName, Spatial::kName}) == Spatial::kName;
-  Section room = root.section("room");
-  world.room_size = room.required_point(
-      "size", {spatial, Eigen::Vector3d::Constant(0.5), Eigen::Vector3d::Constant(kLargestRoom)});
-  room.refuse_unknown();
+  read_room(root, spatial, &world);
   read_landmarks(root, spatial, &world);
   read_drive(root.section("drive"), spatial, world.room_size, &world.drive);
   read_wheels(root.section("wheels"), &world.wheels);
   read_gyro(root.section("gyro"), &world.gyro);
   read_sensor(root.section("sensor"), &world.sensor);
+  read_camera(root.section("camera"), &world.pictures);
   root.refuse_unknown();
   return world;
 }

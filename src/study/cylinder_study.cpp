@@ -15,12 +15,7 @@ namespace {
 
 constexpr double kMatchDistance = 0.1;  // m, between a finding and the axis point of a cylinder
 
-struct NamedColour {
-  const char* label = kUnknownColour;
-  Rgb colour;
-};
-constexpr NamedColour kColours[] = {
-    {"red", {190, 35, 30}}, {"green", {40, 150, 50}}, {"blue", {35, 70, 180}}, {"yellow", {215, 190, 30}}};
+constexpr const char* kLabels[] = {"red", "green", "blue", "yellow"};
 
 Rgb grey(RandomStream* random) {
   const auto level = static_cast<std::uint8_t>(random->uniform(80.0, 200.0));
@@ -38,7 +33,7 @@ class Stage {
     body.foot_in_world = free_place(0.6, 2.8, radius);
     body.axis = Eigen::Vector3d(0.0, 0.0, random_->uniform(0.3, 0.5));
     body.foot_radius = body.top_radius = radius;
-    body.colour = kColours[random_->index(std::size(kColours))].colour;
+    body.colour = paint(kLabels[random_->index(std::size(kLabels))]);
     view_->cylinders.push_back(body);
     view_->scene.bodies.push_back(body);
   }
@@ -179,8 +174,8 @@ bool is_expected(const CylinderView& view, const RoundBody& cylinder, const Cyli
 }
 
 const char* label_of(const Rgb& colour) {
-  for (const NamedColour& named : kColours) {
-    if (named.colour.red == colour.red && named.colour.blue == colour.blue) return named.label;
+  for (const char* label : kLabels) {
+    if (paint(label).red == colour.red && paint(label).blue == colour.blue) return label;
   }
   return kUnknownColour;
 }

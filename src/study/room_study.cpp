@@ -5,11 +5,13 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "kinect_ekf_slam/pipeline/frame_buffer.h"
 #include "kinect_ekf_slam/pipeline/slam_pipeline.h"
 #include "kinect_ekf_slam/study/monte_carlo.h"
+#include "kinect_ekf_slam/study/simulated_picture.h"
 #include "kinect_ekf_slam/study/text.h"
 
 namespace kinect_ekf_slam {
@@ -23,6 +25,13 @@ double pose_nees(const Pose3d& estimate, const typename Space::Pose& truth) {
   return error.dot(pose.covariance.ldlt().solve(error));
 }
 
+/// What the map is sure of.
+std::vector<Landmark3d> confirmed(std::vector<Landmark3d> map) {
+  map.erase(std::remove_if(map.begin(), map.end(), [](const Landmark3d& l) { return !l.confirmed; }),
+            map.end());
+  return map;
+}
+
 template <class Space>
 MapComparison compare(const World& world, const std::vector<Landmark3d>& map) {
   const Eigen::Isometry3d start_from_world = world.drive.world_from_start.to_3d().inverse();
@@ -31,11 +40,45 @@ MapComparison compare(const World& world, const std::vector<Landmark3d>& map) {
   for (const WorldLandmark& landmark : world.landmarks) {
     truth.push_back(Space::from_3d(start_from_world * landmark.position_in_world));
   }
-  for (const Landmark3d& landmark : map) {
-    if (landmark.confirmed) estimate.push_back(Space::from_3d(landmark.position_in_map));
-  }
+  for (const Landmark3d& landmark : map) estimate.push_back(Space::from_3d(landmark.position_in_map));
   return compare_maps<Space>(truth, estimate);
 }
+
+int count_wrong_labels(const World& world, const std::vector<Landmark3d>& map,
+                       const MapComparison& comparison) {
+  const auto& pairs = comparison.pairs;
+  return static_cast<int>(std::count_if(pairs.begin(), pairs.end(), [&](const auto& pair) {
+    return world.landmarks[pair.first].label != map[pair.second].label;
+  }));
+}
+
+/// What the robot sees: the simulated sightings, or what a detector finds in pictures.
+class Eyes {
+ public:
+  Eyes(const RoomStudy& study, std::uint64_t seed) : world_(study.world) {
+    if (!study.make_detector) return;
+    find_ = study.make_detector();
+    camera_.emplace(study.world, seed);
+  }
+
+  SensorFrame look(const Sample& sample) {
+    SensorFrame frame = to_sensor_frame(sample, world_);
+    if (!find_) return frame;
+    frame.detections.reset();
+    if (sample.takes_picture) {
+      const Eigen::Isometry3d& base_from_optical = world_.sensor.base_from_optical;
+      const Eigen::Vector3d up_in_optical = base_from_optical.linear().row(2);
+      const Findings findings = find_(camera_->take(sample.world_from_base), up_in_optical);
+      frame.detections = to_detections(findings, base_from_optical);
+    }
+    return frame;
+  }
+
+ private:
+  const World& world_;
+  FindInPicture find_;
+  std::optional<SimulatedCamera> camera_;
+};
 
 /// The frames of a simulation in the order of their stamps, those of wheels and gyro stamped late.
 class LateOdometry {
@@ -66,6 +109,7 @@ class LateOdometry {
 template <class Space>
 RoomRun run_room_in(const RoomStudy& study, std::uint64_t seed) {
   Simulator simulator(study.world, seed);
+  Eyes eyes(study, seed);
   const auto pipeline = make_pipeline(study.pipeline);
   const Eigen::Isometry3d start_from_world = study.world.drive.world_from_start.to_3d().inverse();
   RoomRun run;
@@ -76,9 +120,7 @@ RoomRun run_room_in(const RoomStudy& study, std::uint64_t seed) {
   while (!simulator.finished()) {
     const Sample sample = simulator.next();
     SlamResult result;
-    for (const SensorFrame& frame : frames.add(to_sensor_frame(sample, study.world))) {
-      result = pipeline->process(frame);
-    }
+    for (const SensorFrame& frame : frames.add(eyes.look(sample))) result = pipeline->process(frame);
     run.seconds = to_seconds(sample.stamp);
     if (!result.looked || run.seconds <= study.world.drive.standing_time) continue;
     const typename Space::Pose truth = Space::pose_from_3d(start_from_world * sample.world_from_base);
@@ -90,7 +132,9 @@ RoomRun run_room_in(const RoomStudy& study, std::uint64_t seed) {
   const auto count = static_cast<double>(run.nees.size());
   run.path_rmse = std::sqrt(squared_errors / count);
   run.nees_mean /= count;
-  run.map = compare<Space>(study.world, pipeline->map());
+  const std::vector<Landmark3d> map = confirmed(pipeline->map());
+  run.map = compare<Space>(study.world, map);
+  run.wrong_labels = count_wrong_labels(study.world, map, run.map);
   return run;
 }
 
@@ -132,6 +176,22 @@ SensorFrame to_sensor_frame(const Sample& sample, const World& world) {
   return frame;
 }
 
+std::vector<Detection> to_detections(const Findings& findings, const Eigen::Isometry3d& base_from_optical) {
+  std::vector<Detection> detections;
+  const Eigen::Matrix3d rotation = base_from_optical.linear();
+  for (const Finding& finding : findings.found) {
+    Detection detection;
+    detection.position_in_optical = finding.position;
+    detection.base_from_optical = rotation;
+    detection.position_in_base = base_from_optical * finding.position;
+    detection.covariance_in_base = rotation * finding.covariance * rotation.transpose();
+    detection.signature = finding.signature;
+    detection.score = finding.score;
+    detections.push_back(std::move(detection));
+  }
+  return detections;
+}
+
 RoomRun run_room(const RoomStudy& study, std::uint64_t seed) {
   const bool spatial = study.pipeline.space == SpaceType::kSpatial;
   return spatial ? run_room_in<Spatial>(study, seed) : run_room_in<Planar>(study, seed);
@@ -158,6 +218,7 @@ RoomSummary summarize(const std::vector<RoomRun>& runs) {
   summary.success_share = share(&RoomRun::is_success);
   summary.missed = spread(runs, [](const RoomRun& run) { return run.map.missed(); });
   summary.spurious = spread(runs, [](const RoomRun& run) { return run.map.spurious(); });
+  summary.wrong_labels = spread(runs, [](const RoomRun& run) { return run.wrong_labels; });
   summary.landmark_rmse_aligned = spread(runs, [](const RoomRun& run) { return run.map.rmse_aligned; });
   summary.landmark_rmse_start = spread(runs, [](const RoomRun& run) { return run.map.rmse; });
   summary.path_rmse = spread(runs, [](const RoomRun& run) { return run.path_rmse; });
@@ -178,15 +239,26 @@ std::string to_table(const RoomSummary& s) {
     return format("%-38s %9.*f %9.*f %9.*f\n", name, digits, spread.mean, digits, spread.median, digits,
                   spread.worst);
   };
-  return format("%-38s %9s %9s %9s\n", format("%zu runs", s.runs).c_str(), "mean", "median", "worst") +
-         row("landmark RMSE, aligned (m)", s.landmark_rmse_aligned, 4) +
-         row("landmark RMSE, in the start frame (m)", s.landmark_rmse_start, 4) +
-         row("path RMSE, in the start frame (m)", s.path_rmse, 4) + row("landmarks missed", s.missed, 2) +
-         row("landmarks too many", s.spurious, 2) +
-         row(format("pose NEES (%d when consistent)", s.pose_dof).c_str(), s.nees, 2) +
-         format(
-             "all %zu landmarks and no other: %.0f %% of the runs; with an RMSE of at most 0.09 m: %.0f %%\n",
-             s.true_landmarks, 100.0 * s.exact_count_share, 100.0 * s.success_share) +
+  std::string text =
+      format("%-38s %9s %9s %9s\n", format("%zu runs", s.runs).c_str(), "mean", "median", "worst");
+  if (s.true_landmarks > 0) {
+    text += row("landmark RMSE, aligned (m)", s.landmark_rmse_aligned, 4) +
+            row("landmark RMSE, in the start frame (m)", s.landmark_rmse_start, 4);
+  }
+  text += row("path RMSE, in the start frame (m)", s.path_rmse, 4);
+  if (s.true_landmarks > 0) {
+    text += row("landmarks missed", s.missed, 2) + row("landmarks too many", s.spurious, 2) +
+            row("labels wrong", s.wrong_labels, 2);
+  } else {
+    text += row("landmarks in the map", s.spurious, 0);
+  }
+  text += row(format("pose NEES (%d when consistent)", s.pose_dof).c_str(), s.nees, 2);
+  if (s.true_landmarks > 0) {
+    text += format(
+        "all %zu landmarks and no other: %.0f %% of the runs; with an RMSE of at most 0.09 m: %.0f %%\n",
+        s.true_landmarks, 100.0 * s.exact_count_share, 100.0 * s.success_share);
+  }
+  return text +
          format(
              "NEES averaged over the runs: inside its 95 %% bounds, %.2f to %.2f, for %.0f %% of the time\n",
              s.nees_low, s.nees_high, 100.0 * s.nees_inside_share);
@@ -198,7 +270,7 @@ std::string to_json(const RoomSummary& s, const std::vector<RoomRun>& runs) {
       ",\n  \"true_landmarks\": " + std::to_string(s.true_landmarks) +
       ",\n  \"exact_count_share\": " + number(s.exact_count_share) +
       ",\n  \"success_share\": " + number(s.success_share) + ",\n  \"landmarks_missed\": " + json(s.missed) +
-      ",\n  \"landmarks_spurious\": " + json(s.spurious) +
+      ",\n  \"landmarks_spurious\": " + json(s.spurious) + ",\n  \"wrong_labels\": " + json(s.wrong_labels) +
       ",\n  \"landmark_rmse_m\": " + json(s.landmark_rmse_aligned) +
       ",\n  \"landmark_rmse_start_m\": " + json(s.landmark_rmse_start) +
       ",\n  \"ate_rmse_start_m\": " + json(s.path_rmse) + ",\n  \"pose_nees\": " + json(s.nees) +
@@ -211,6 +283,7 @@ std::string to_json(const RoomSummary& s, const std::vector<RoomRun>& runs) {
             ", \"landmarks\": " + std::to_string(run.map.estimated_landmarks) +
             ", \"missed\": " + std::to_string(run.map.missed()) +
             ", \"spurious\": " + std::to_string(run.map.spurious()) +
+            ", \"wrong_labels\": " + std::to_string(run.wrong_labels) +
             ", \"landmark_rmse_m\": " + number(run.map.rmse_aligned) +
             ", \"landmark_max_m\": " + number(run.map.max_aligned) +
             ", \"landmark_rmse_start_m\": " + number(run.map.rmse) +

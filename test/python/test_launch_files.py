@@ -20,7 +20,7 @@ WORLD = os.path.join(ROOT, "config", "worlds", "room_hard.yaml")
 # What is to be given, and every branch taken once.
 VARIANTS = {
     "replay.launch": [{"bag": BAG}, {"bag": BAG, "rviz": "true", "loop": "true", "rate": "2.5", "exit": "true"}],
-    "simulation.launch": [{}, {"rviz": "true", "drive": "cmd_vel", "world": WORLD}],
+    "simulation.launch": [{}, {"rviz": "true", "drive": "cmd_vel", "world": WORLD}, {"pictures": "true"}],
     "slam.launch": [{}, {"rviz": "true", "mode": "localization", "map_dir": "/tmp/maps", "map_file": "a.yaml",
                          "load_map": "true", "save_map": "true",
                          "config": os.path.join(ROOT, "config", "turtlebot3.yaml")}],
@@ -44,8 +44,8 @@ def loaded():
 class LaunchFiles(unittest.TestCase):
     def test_all_load_and_start_something(self):
         self.assertEqual({os.path.basename(path) for path in LAUNCH_FILES},
-                         {"detect_aruco.launch", "detect_kinect_cylinder.launch", "detect_laser_cylinder.launch",
-                          "record.launch", "replay.launch", "rviz.launch", "simulation.launch", "slam.launch",
+                         {"detect_aruco.launch", "detect_features.launch", "detect_kinect_cylinder.launch",
+                          "detect_laser_cylinder.launch", "detect_stereo_features.launch", "record.launch", "replay.launch", "rviz.launch", "simulation.launch", "slam.launch",
                           "turtlebot.launch"})
         for path, arguments, nodes, _ in loaded():
             with self.subTest(path=path, arguments=arguments):

@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <memory>
 
 #include "kinect_ekf_slam/ros/parameters.h"
+#include "kinect_ekf_slam/ros/picture_detector.h"
 #include "kinect_ekf_slam/study/room_study.h"
 
 namespace kinect_ekf_slam {
@@ -66,6 +68,48 @@ TEST(RoomStudy, TheSameSeedsGiveTheSameFigures) {
   const RoomSummary second = study("room.yaml", 4, {});
   EXPECT_EQ(first.landmark_rmse_aligned.mean, second.landmark_rmse_aligned.mean);
   EXPECT_EQ(first.nees.worst, second.nees.worst);
+}
+
+std::string config(const std::string& name) {
+  return (std::filesystem::path(__FILE__).parent_path() / "../../config" / name).string();
+}
+
+/// One run that sees what a detector finds in rendered pictures.
+RoomSummary chain(const World& world, const DetectorOptions& detector,
+                  const std::vector<std::string>& configs) {
+  RoomStudy study;
+  study.world = world;
+  study.seeds = 1;
+  study.pipeline = read_run_options(configs, {}, [](const std::string& line) { FAIL() << line; }).pipeline;
+  study.make_detector = [&] {
+    const auto eyes = std::make_shared<PictureDetector>(detector);
+    return
+        [eyes](const RgbdPicture& picture, const Eigen::Vector3d& up) { return eyes->detect(picture, up); };
+  };
+  return summarize(run_study(study));
+}
+
+TEST(ChainStudy, CylindersInPicturesBecomeTheMap) {
+  World world = read_world(config("worlds/room.yaml"));
+  world.drive.loops = 1;
+  world.pictures.rate = 2.0;
+  DetectorOptions detector;
+  detector.palette = config("palette.yaml");
+  const RoomSummary summary = chain(world, detector, {});
+  EXPECT_EQ(summary.exact_count_share, 1.0);
+  EXPECT_EQ(summary.wrong_labels.worst, 0.0);
+  EXPECT_LE(summary.landmark_rmse_aligned.worst, 0.02);
+}
+
+TEST(ChainStudy, NaturalFeaturesCarryARobotThatFlies) {
+  World world = read_world(config("worlds/room_textured.yaml"));
+  world.drive.waypoints_in_world.resize(2);
+  DetectorOptions detector;
+  detector.type = DetectorType::kFeatures;
+  const RoomSummary summary = chain(world, detector, {config("features.yaml")});
+  EXPECT_EQ(summary.pose_dof, 6);
+  EXPECT_LE(summary.path_rmse.worst, 0.05);
+  EXPECT_LE(summary.nees.worst, 9.0);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+
 namespace kinect_ekf_slam {
 
 /// How a structured-light camera errs in depth. It measures a disparity, in steps, so that the depth's step
@@ -16,6 +18,13 @@ struct DepthNoise {
   /// Variance of the mean of `count` readings of one depth, m^2. The step is common to all of them.
   double mean_variance(double depth, int count) const {
     return sigma(depth) * sigma(depth) / count + step(depth) * step(depth) / 12.0;
+  }
+  /// How far a place may be off because all of the camera is: its depth's scale and its rays, m^2.
+  Eigen::Matrix3d camera_covariance(const Eigen::Vector3d& position_in_optical) const {
+    const Eigen::Vector3d ray = position_in_optical.normalized();
+    const double aside = pointing * position_in_optical.norm();
+    return calibration * calibration * position_in_optical * position_in_optical.transpose() +
+           aside * aside * (Eigen::Matrix3d::Identity() - ray * ray.transpose());
   }
 };
 

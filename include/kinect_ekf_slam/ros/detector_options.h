@@ -5,19 +5,24 @@
 #include <string>
 #include <vector>
 
+#include "kinect_ekf_slam/perception/feature.h"
 #include "kinect_ekf_slam/perception/fiducial.h"
 #include "kinect_ekf_slam/perception/kinect_cylinder.h"
 #include "kinect_ekf_slam/perception/laser_cylinder.h"
 
 namespace kinect_ekf_slam {
 
-enum class DetectorType { kKinectCylinder, kLaserCylinder, kAruco };
+enum class DetectorType { kKinectCylinder, kLaserCylinder, kAruco, kFeatures };
+/// Where the depth of pictures comes from.
+enum class DepthSource { kDepth, kDisparity };
 
 /// The parameters of landmark_detector_node; config/detector.yaml shows them.
 struct DetectorOptions {
   DetectorType type = DetectorType::kKinectCylinder;
   std::string colour_topic = "camera/rgb/image_rect_color";
   std::string depth_topic = "camera/depth_registered/image_raw";
+  std::string disparity_topic = "stereo/disparity";
+  DepthSource depth_source = DepthSource::kDepth;
   std::string info_topic = "camera/rgb/camera_info";
   std::string scan_topic = "scan";
   std::string level_frame;     ///< a frame whose Z points up; empty: there is none
@@ -27,6 +32,7 @@ struct DetectorOptions {
   KinectCylinderOptions kinect_cylinder;
   LaserCylinderOptions laser_cylinder;
   FiducialOptions fiducial;
+  FeatureOptions features;
 };
 
 /// Reads the options from the groups of `yaml`; keys that nothing reads are returned in `unread`. Throws

@@ -11,8 +11,10 @@
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/LaserScan.h>
+#include <stereo_msgs/DisparityImage.h>
 #include <tf2_ros/buffer.h>
 
+#include <boost/thread/recursive_mutex.hpp>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -20,26 +22,32 @@
 
 #include "kinect_ekf_slam/perception/findings.h"
 #include "kinect_ekf_slam/ros/detector_options.h"
+#include "kinect_ekf_slam/ros/picture_detector.h"
 
 namespace kinect_ekf_slam {
 
 /// Turns pictures or scans into `landmarks`. What it cannot use it counts, and says so in one line.
 class LandmarkDetectorNode {
  public:
-  /// Throws std::runtime_error when the palette cannot be used, std::invalid_argument for the dictionary.
+  /// Throws what PictureDetector does.
   LandmarkDetectorNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
                        const tf2_ros::Buffer* transforms, const DetectorOptions& options);
 
  private:
   using Policy = message_filters::sync_policies::ApproximateTime<sensor_msgs::Image, sensor_msgs::Image,
                                                                  sensor_msgs::CameraInfo>;
+  using StereoPolicy =
+      message_filters::sync_policies::ApproximateTime<sensor_msgs::Image, stereo_msgs::DisparityImage,
+                                                      sensor_msgs::CameraInfo>;
   using ColourPolicy =
       message_filters::sync_policies::ApproximateTime<sensor_msgs::Image, sensor_msgs::CameraInfo>;
 
-  void connect_depth();
-  void connect_colour();
+  void connect_pictures();
   void on_depth_picture(const sensor_msgs::ImageConstPtr& colour, const sensor_msgs::ImageConstPtr& depth,
                         const sensor_msgs::CameraInfoConstPtr& info);
+  void on_stereo_picture(const sensor_msgs::ImageConstPtr& colour,
+                         const stereo_msgs::DisparityImageConstPtr& disparity,
+                         const sensor_msgs::CameraInfoConstPtr& info);
   void on_colour_picture(const sensor_msgs::ImageConstPtr& colour,
                          const sensor_msgs::CameraInfoConstPtr& info);
   void on_scan(const sensor_msgs::LaserScanConstPtr& scan);
@@ -48,6 +56,7 @@ class LandmarkDetectorNode {
   /// Runs `detect`, publishes what it finds; counts what it throws.
   template <class Detect>
   void process(const std_msgs::Header& header, const Detect& detect);
+  Findings look_at(const std_msgs::Header& header, const RgbdPicture& picture);
   void publish_debug(const std_msgs::Header& header, const cv::Mat& colour, const Findings& findings);
   /// Where up is in the picture's frame, where tf knows it.
   std::optional<Eigen::Vector3d> up_in(const std_msgs::Header& header) const;
@@ -58,17 +67,19 @@ class LandmarkDetectorNode {
   image_transport::ImageTransport transport_;
   const tf2_ros::Buffer* transforms_;
   DetectorOptions options_;
-  Palette palette_;
-  std::optional<FiducialDetector> fiducials_;
+  std::optional<PictureDetector> pictures_;
 
   ros::Publisher landmarks_;
   image_transport::Publisher debug_;
   ros::Subscriber scans_;
   image_transport::SubscriberFilter colours_;
   image_transport::SubscriberFilter depths_;
+  message_filters::Subscriber<stereo_msgs::DisparityImage> disparities_;
   message_filters::Subscriber<sensor_msgs::CameraInfo> infos_;
   std::unique_ptr<message_filters::Synchronizer<Policy>> synchronizer_;
+  std::unique_ptr<message_filters::Synchronizer<StereoPolicy>> stereo_synchronizer_;
   std::unique_ptr<message_filters::Synchronizer<ColourPolicy>> colour_synchronizer_;
+  boost::recursive_mutex live_mutex_;
   dynamic_reconfigure::Server<DetectorConfig> live_;
   diagnostic_updater::Updater diagnostics_;
   ros::WallTimer diagnostics_timer_;

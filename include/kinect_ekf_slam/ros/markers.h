@@ -37,7 +37,7 @@ Ellipsoid ellipsoid(const Eigen::Matrix3d& covariance, double sigmas);
 std_msgs::ColorRGBA label_color(const std::string& label);
 
 /// What RViz shows of one moment.
-struct Scene {
+struct MarkerScene {
   std::vector<Landmark3d> map;
   Pose3d pose;
   std::vector<DetectionOutcome> outcomes;  ///< of the last frame with detections
@@ -46,13 +46,14 @@ struct Scene {
 };
 
 /// Turns scenes into markers; remembers which landmarks are shown, to remove those that have gone. In the
-/// plane landmarks are cylinders that stand on flat ellipses, in space balls in ellipsoids.
+/// plane landmarks are cylinders that stand on flat ellipses, in space balls in ellipsoids. What is not
+/// confirmed yet is faint, and a question mark ends its name.
 class MarkerPainter {
  public:
   MarkerPainter(std::string frame_id, double sigmas, SpaceType space = SpaceType::kPlanar)
       : frame_id_(std::move(frame_id)), sigmas_(sigmas), space_(space) {}
 
-  visualization_msgs::MarkerArray paint(const Scene& scene);
+  visualization_msgs::MarkerArray paint(const MarkerScene& scene);
   /// Removes everything that was ever painted.
   visualization_msgs::MarkerArray clear();
 
@@ -64,9 +65,9 @@ class MarkerPainter {
   visualization_msgs::Marker spread(const std::string& space, int id, const Eigen::Vector3d& position_in_map,
                                     const Eigen::Matrix3d& covariance) const;
   bool is_planar() const { return space_ == SpaceType::kPlanar; }
-  void paint_landmarks(const Scene& scene, visualization_msgs::MarkerArray* array);
-  void paint_robot(const Scene& scene, visualization_msgs::MarkerArray* array) const;
-  void paint_associations(const Scene& scene, visualization_msgs::MarkerArray* array) const;
+  void paint_landmarks(const MarkerScene& scene, visualization_msgs::MarkerArray* array);
+  void paint_robot(const MarkerScene& scene, visualization_msgs::MarkerArray* array) const;
+  void paint_associations(const MarkerScene& scene, visualization_msgs::MarkerArray* array) const;
   void paint_path(const std::string& space, const std::vector<geometry_msgs::Point>& points, double width,
                   const std_msgs::ColorRGBA& color, visualization_msgs::MarkerArray* array) const;
 

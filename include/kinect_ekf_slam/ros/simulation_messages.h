@@ -7,6 +7,7 @@
 #include <nav_msgs/Odometry.h>
 #include <ros/time.h>
 #include <sensor_msgs/Imu.h>
+#include <std_msgs/Header.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <vector>
@@ -23,6 +24,9 @@ constexpr const char* kLandmarks = "landmarks";
 constexpr const char* kTruePose = "ground_truth/pose";
 constexpr const char* kTrueLandmarks = "ground_truth/landmarks";
 constexpr const char* kCommand = "cmd_vel";
+constexpr const char* kColour = "camera/rgb/image_rect_color";
+constexpr const char* kDepth = "camera/depth_registered/image_raw";
+constexpr const char* kCameraInfo = "camera/rgb/camera_info";
 }  // namespace simulation_topics
 
 /// Samples as a robot's messages: the same for a bag and for the live node.
@@ -44,6 +48,9 @@ class SimulationMessages {
   sensor_msgs::Imu imu(const Sample& sample) const;
   /// The sample must have sightings, perhaps none.
   LandmarkDetectionArray landmarks(const Sample& sample) const;
+
+  /// Of the sensor's landmarks and pictures.
+  std_msgs::Header optical_header(const Sample& sample) const;
 
   geometry_msgs::PoseStamped true_pose(const Sample& sample) const;
   LandmarkMap true_landmarks() const;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "kinect_ekf_slam/core/space.h"
@@ -20,6 +22,8 @@ struct MapComparison {
   std::size_t true_landmarks = 0;
   std::size_t estimated_landmarks = 0;
   std::size_t matched = 0;
+  std::vector<std::pair<std::size_t, std::size_t>>
+      pairs;                  ///< of those: which true one is which estimated one
   double rmse_aligned = 0.0;  ///< m, of the matched pairs after the best motion
   double rmse = 0.0;          ///< m, of the same pairs as they are
   double max_aligned = 0.0;   ///< m

@@ -14,6 +14,9 @@ struct Rgb {
   std::uint8_t blue = 0;
 };
 
+/// How something with that label is painted; grey for a label that names no colour.
+Rgb paint(const std::string& label);
+
 /// A pattern on a rectangle, row after row from its upper left corner; a single pixel is one colour.
 struct Texture {
   int columns = 1;
@@ -51,6 +54,9 @@ struct Scene {
   std::vector<Panel> panels;
   std::vector<RoundBody> bodies;
   double brightness = 1.0;  ///< of the light; 1 shows colours as they are where it falls straight on
+
+  /// A ball, near enough: slices that are cones cut off.
+  void add_ball(const Eigen::Vector3d& center_in_world, double radius, const Rgb& colour);
 
   /// Five panels: a box that stands on the floor, turned about the vertical.
   void add_box(const Eigen::Vector2d& place_in_world, double yaw, const Eigen::Vector3d& size,

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,6 +39,7 @@ struct Sample {
   std::optional<Odometry> odometry;
   std::optional<Eigen::Vector3d> gyro_rate_in_imu;  ///< rad/s
   std::optional<std::vector<Sighting>> sightings;   ///< empty: looked, saw nothing
+  bool takes_picture = false;                       ///< the camera's turn: study/simulated_picture.h
 };
 
 /// The sighting as the estimators take it.
@@ -63,9 +65,12 @@ class Simulator {
  private:
   /// When something that happens at a steady rate is next due.
   struct Ticker {
-    double rate;  ///< Hz
+    double rate;  ///< Hz; 0: never
     std::int64_t count = 0;
-    TimeNs due() const { return to_nanoseconds(static_cast<double>(count) / rate); }
+    TimeNs due() const {
+      constexpr TimeNs kNever = std::numeric_limits<TimeNs>::max();
+      return rate > 0.0 ? to_nanoseconds(static_cast<double>(count) / rate) : kNever;
+    }
     bool take(TimeNs stamp) { return due() == stamp && ++count > 0; }
   };
 
@@ -94,6 +99,7 @@ class Simulator {
   Ticker odometry_ticker_;
   Ticker gyro_ticker_;
   Ticker sensor_ticker_;
+  Ticker camera_ticker_;
 
   TimeNs now_ = 0;
   RobotPose world_from_base_;

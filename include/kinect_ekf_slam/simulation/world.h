@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kinect_ekf_slam/core/landmark.h"
+#include "kinect_ekf_slam/simulation/rgbd_camera.h"
 #include "kinect_ekf_slam/simulation/robot_pose.h"
 
 namespace kinect_ekf_slam {
@@ -75,16 +76,37 @@ struct KinectOptions {
   Eigen::Isometry3d base_from_optical = Eigen::Isometry3d::Identity();
 };
 
+/// An upright square with something printed on both sides.
+struct WorldPanel {
+  enum class Print { kBlotches, kFiducial };
+  Eigen::Vector3d center_in_world = Eigen::Vector3d::Zero();  ///< m
+  double facing_deg = 0.0;                                    ///< deg from the world's X
+  double size = 0.3;  ///< m, of an edge; of a fiducial, of its black square
+  Print print = Print::kBlotches;
+  int id = 0;  ///< of the fiducial; of blotches, which pattern
+};
+
+/// The pictures that the Kinect takes, at the mounting of the sensor.
+struct PictureOptions {
+  double rate = 0.0;       ///< Hz; 0: none
+  bool has_errors = true;  ///< false: exact
+  RgbdCameraOptions camera;
+};
+
 /// A room with landmarks, and the robot that moves in it. The world's origin is a corner of the room; the
 /// robot starts anywhere. The world is spatial when the robot's pose is: then it flies among balls.
 struct World {
   /// m; the walls are x, y = 0 and x, y = size; in a spatial world z = size is the ceiling
   Eigen::Vector3d room_size = Eigen::Vector3d::Zero();
+  double wall_height = 2.5;        ///< m, in pictures; in a spatial world the room's
+  bool has_blotches = false;       ///< in pictures: on walls, floor and ceiling
+  std::vector<WorldPanel> panels;  ///< in pictures
   std::vector<WorldLandmark> landmarks;
   DriveOptions drive;
   WheelOptions wheels;
   GyroOptions gyro;
   KinectOptions sensor;
+  PictureOptions pictures;
 
   bool is_spatial() const { return drive.world_from_start.is_spatial(); }
 };

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "kinect_ekf_slam/perception/findings.h"
+#include "kinect_ekf_slam/perception/picture.h"
 #include "kinect_ekf_slam/pipeline/options.h"
 #include "kinect_ekf_slam/pipeline/sensor_frame.h"
 #include "kinect_ekf_slam/simulation/evaluation.h"
@@ -15,6 +17,13 @@ namespace kinect_ekf_slam {
 /// The sample as the pipeline takes it, without the truth.
 SensorFrame to_sensor_frame(const Sample& sample, const World& world);
 
+/// The findings as the pipeline takes them.
+std::vector<Detection> to_detections(const Findings& findings, const Eigen::Isometry3d& base_from_optical);
+
+/// Finds landmarks in the pictures of one run, in their order. `up_in_optical`: where up is.
+using FindInPicture =
+    std::function<Findings(const RgbdPicture& picture, const Eigen::Vector3d& up_in_optical)>;
+
 /// Many simulated runs of one world through the pipeline, each with the truth at hand.
 struct RoomStudy {
   World world;
@@ -22,6 +31,9 @@ struct RoomStudy {
   std::uint64_t first_seed = 1;
   int seeds = 100;
   double odometry_delay = 0.0;  ///< s, at least 0; wheels and gyro are stamped so much later than they turned
+  /// The detector of one run, where the world's pictures are to be rendered and what is found in them is to
+  /// take the place of the simulated sightings; else empty.
+  std::function<FindInPicture()> make_detector;
   std::function<void(double)> on_progress;  ///< share done, 0 to 1, from the calling thread; may be empty
 };
 
@@ -30,6 +42,7 @@ struct RoomStudy {
 struct RoomRun {
   std::uint64_t seed = 0;
   MapComparison map;
+  int wrong_labels = 0;      ///< of the matched landmarks
   double path_rmse = 0.0;    ///< m, at the times of the detections, from the first move on
   int pose_dof = 0;          ///< 3 in the plane, 6 in space
   std::vector<double> nees;  ///< of the pose at the same times: e^T P^-1 e
@@ -61,6 +74,7 @@ struct RoomSummary {
   double success_share = 0.0;      ///< of the runs that are a success
   Spread missed;
   Spread spurious;
+  Spread wrong_labels;
   Spread landmark_rmse_aligned;  ///< m
   Spread landmark_rmse_start;    ///< m
   Spread path_rmse;              ///< m

@@ -173,6 +173,15 @@ TEST(ToMessage, AMapCarriesAllOfItsLandmarks) {
   EXPECT_EQ(message.landmarks[0].covariance[5], 6.0);
 }
 
+TEST(ToMessage, AMapSaysWhichLandmarksAreProvisional) {
+  std::vector<Landmark3d> map(2);
+  map[1].confirmed = false;
+  const LandmarkMap message = to_message(map, "map", 0);
+  ASSERT_EQ(message.landmarks.size(), 2U) << "provisional ones are told too";
+  EXPECT_EQ(message.landmarks[0].status, Landmark::CONFIRMED);
+  EXPECT_EQ(message.landmarks[1].status, Landmark::PROVISIONAL);
+}
+
 TEST(ToMessage, AssociationsNameTheVerdict) {
   DetectionOutcome outcome;
   outcome.source_id = 4;

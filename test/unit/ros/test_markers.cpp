@@ -110,7 +110,7 @@ TEST(MarkerPainter, DrawsEllipsesAtTheSigmasAskedFor) {
 
 TEST(MarkerPainter, DrawsEllipsoidsInSpace) {
   const Eigen::Quaterniond rotation = rotation_exp({0.4, -0.3, 0.8});
-  Scene scene{{landmark(1, "red")}, {}, {}, {}, {}};
+  MarkerScene scene{{landmark(1, "red")}, {}, {}, {}, {}};
   scene.map[0].position_in_map = {1.0, 2.0, 3.0};
   scene.map[0].radius = 0.1;
   scene.map[0].covariance = scene.pose.covariance.topLeftCorner<3, 3>() = turned({0.1, 0.2, 0.3}, rotation);
@@ -138,7 +138,7 @@ TEST(MarkerPainter, NeverDrawsAnUnknownCovarianceAsZero) {
         Eigen::Matrix3d(-Eigen::Matrix3d::Identity())}) {
     for (const SpaceType space : {SpaceType::kPlanar, SpaceType::kSpatial}) {
       MarkerPainter painter("map", 3.0, space);
-      Scene scene{{landmark(1)}, {}, {}, {}, {}};
+      MarkerScene scene{{landmark(1)}, {}, {}, {}, {}};
       scene.map[0].covariance = unknown;
       scene.pose.covariance.topLeftCorner<3, 3>() = unknown;
       scene.pose.covariance(5, 5) = kNan;
@@ -148,6 +148,31 @@ TEST(MarkerPainter, NeverDrawsAnUnknownCovarianceAsZero) {
       EXPECT_EQ(find(array, "robot_position")->action, Marker::DELETE);
       EXPECT_EQ(find(array, "robot_heading")->action, Marker::DELETE);
     }
+  }
+}
+
+TEST(MarkerPainter, DrawsFaintlyWhatIsNotConfirmedYet) {
+  for (const SpaceType space : {SpaceType::kPlanar, SpaceType::kSpatial}) {
+    MarkerPainter painter("map", 3.0, space);
+    MarkerScene scene{{landmark(1, "red"), landmark(2, "red"), landmark(3)}, {}, {}, {}, {}};
+    scene.map[1].confirmed = scene.map[2].confirmed = false;
+    const MarkerArray array = painter.paint(scene);
+    for (const char* part : {"landmarks", "labels", "covariance"}) {
+      const float sure = find(array, part, 1)->color.a;
+      const float unsure = find(array, part, 2)->color.a;
+      EXPECT_LT(unsure, 0.5F * sure) << part;
+      EXPECT_GT(unsure, 0.1F) << part << ": still seen";
+      EXPECT_EQ(find(array, part, 2)->color.r, find(array, part, 1)->color.r) << part;
+    }
+    EXPECT_EQ(find(array, "landmarks", 1)->color.a, 1.0F);
+    EXPECT_EQ(find(array, "labels", 1)->text, "1 red\n\n");
+    EXPECT_EQ(find(array, "labels", 2)->text, "2 red?\n\n");
+    EXPECT_EQ(find(array, "labels", 3)->text, "3?\n\n");
+
+    scene.map[1].confirmed = true;
+    const MarkerArray later = painter.paint(scene);
+    EXPECT_EQ(find(later, "landmarks", 2)->color.a, 1.0F) << "from its confirmation on like the others";
+    EXPECT_EQ(find(later, "labels", 2)->text, "2 red\n\n");
   }
 }
 
@@ -174,7 +199,7 @@ TEST(MarkerPainter, ClearsAll) {
 
 TEST(MarkerPainter, HeadingWedgeIsAsWideAsTheHeadingIsUnsure) {
   MarkerPainter painter("map", 3.0);
-  Scene scene;
+  MarkerScene scene;
   scene.pose.covariance(5, 5) = 0.1 * 0.1;
   const MarkerArray array = painter.paint(scene);
   const Marker* wedge = find(array, "robot_heading");
@@ -185,7 +210,7 @@ TEST(MarkerPainter, HeadingWedgeIsAsWideAsTheHeadingIsUnsure) {
 
 TEST(MarkerPainter, DrawsALineToWhatWasJustAssociated) {
   MarkerPainter painter("map", 3.0);
-  Scene scene{{landmark(1)}, {}, {DetectionOutcome(), DetectionOutcome(), DetectionOutcome()}, {}, {}};
+  MarkerScene scene{{landmark(1)}, {}, {DetectionOutcome(), DetectionOutcome(), DetectionOutcome()}, {}, {}};
   scene.outcomes[0].verdict = Verdict::kMatched;
   scene.outcomes[0].landmark_id = 1;
   scene.outcomes[1].verdict = Verdict::kOutsideGate;

@@ -64,7 +64,8 @@ TEST(Parameters, SayWhichNamesAreKnown) {
             "estimator/type: 'kalman' given, allowed: one of ekf, invariant_ekf, compressed_ekf, ukf, "
             "fastslam1, fastslam2, dead_reckoning");
   EXPECT_EQ(refusal("association/type=best"),
-            "association/type: 'best' given, allowed: one of known, nearest_neighbor");
+            "association/type: 'best' given, allowed: one of known, nearest_neighbor, jcbb, "
+            "multi_hypothesis");
   EXPECT_EQ(refusal("mode=mapping"), "mode: 'mapping' given, allowed: one of slam, localization");
   EXPECT_EQ(refusal("estimator/space=hyperbolic"),
             "estimator/space: 'hyperbolic' given, allowed: one of planar, spatial");

@@ -77,7 +77,7 @@ TEST(World, ErrorsAreOneExactLine) {
       {{"rpy_deg: [0, 0, 0]", "rpy: [0, 0, 0]"},
        "gyro/base_from_imu/rpy_deg: is missing, allowed: three numbers"},
       {{"drive: {start", "robots: 2\ndrive: {start"},
-       "robots: is not known, allowed: drive, gyro, landmarks, room, sensor, space, wheels"},
+       "robots: is not known, allowed: camera, drive, gyro, landmarks, panels, room, sensor, space, wheels"},
   };
   for (const auto& [change, line] : cases) {
     EXPECT_EQ(error_with(change.first, change.second), "w.yaml: " + line);
@@ -110,6 +110,37 @@ sensor: {base_from_optical: {xyz: [0.1, 0, 0.25], rpy_deg: [-90, 0, -90]}}
             "w.yaml: drive/waypoints[0]: '[1.0, 1.0]' given, allowed: [x, y, z] in m");
   EXPECT_EQ(error_with("space: spatial", "space: hyperbolic"),
             "w.yaml: space: 'hyperbolic' given, allowed: planar, spatial");
+}
+
+TEST(World, SaysWhatPicturesShow) {
+  const std::string yaml = kSmallest + R"(
+panels: [{x: 4.0, y: 1.0, z: 0.5, facing_deg: 180.0, size: 0.2, print: fiducial, id: 7}]
+camera: {rate: 5.0, width: 320, height: 240, focal_length: 262.5, errors: false}
+)";
+  const World plain = parse_world(kSmallest, "w.yaml");
+  EXPECT_EQ(plain.pictures.rate, 0.0);
+  EXPECT_TRUE(plain.panels.empty());
+  const World world = parse_world(yaml, "w.yaml");
+  EXPECT_EQ(world.pictures.rate, 5.0);
+  EXPECT_EQ(world.pictures.camera.width, 320);
+  EXPECT_FALSE(world.pictures.has_errors);
+  ASSERT_EQ(world.panels.size(), 1U);
+  EXPECT_EQ(world.panels[0].print, WorldPanel::Print::kFiducial);
+  EXPECT_EQ(world.panels[0].id, 7);
+  const auto error_with = [&](const std::string& piece, const std::string& other) {
+    std::string changed = yaml;
+    return error_of(changed.replace(changed.find(piece), piece.size(), other));
+  };
+  EXPECT_EQ(error_with("print: fiducial", "print: photo"),
+            "w.yaml: panels[0]/print: 'photo' given, allowed: blotches, fiducial");
+  EXPECT_EQ(error_with("id: 7", "id: 50"),
+            "w.yaml: panels[0]/id: '50' given, allowed: a whole number from 0 to 49");
+  EXPECT_EQ(error_with("x: 4.0", "x: 4.1"),
+            "w.yaml: panels[0]/x: '4.1' given, allowed: a number from 0 to 4");
+  EXPECT_EQ(error_with("rate: 5.0", "rate: fast"),
+            "w.yaml: camera/rate: 'fast' given, allowed: a number from 0 to 1000");
+  EXPECT_EQ(error_with("size: [4.0, 3.0]", "size: [4.0, 3.0], surface: wood"),
+            "w.yaml: room/surface: 'wood' given, allowed: plain, blotches");
 }
 
 TEST(World, RefusesOneIdTwice) {
@@ -148,7 +179,9 @@ TEST_P(ShippedWorld, IsDrivenThroughAndShowsEveryLandmark) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ShippedWorld, ::testing::Values("room.yaml", "room_hard.yaml", "room_3d.yaml"));
+INSTANTIATE_TEST_SUITE_P(All, ShippedWorld,
+                         ::testing::Values("room.yaml", "room_hard.yaml", "room_3d.yaml",
+                                           "room_textured.yaml"));
 
 }  // namespace
 }  // namespace kinect_ekf_slam::testing
