@@ -122,6 +122,7 @@ RoomRun run_room_in(const RoomStudy& study, std::uint64_t seed) {
     SlamResult result;
     for (const SensorFrame& frame : frames.add(eyes.look(sample))) result = pipeline->process(frame);
     run.seconds = to_seconds(sample.stamp);
+    run.said_lost = run.said_lost || result.localization == Localization::kLost;
     if (!result.looked || run.seconds <= study.world.drive.standing_time) continue;
     const typename Space::Pose truth = Space::pose_from_3d(start_from_world * sample.world_from_base);
     const typename Space::Pose estimate = Space::pose_from_3d(result.pose.map_from_base);
@@ -216,6 +217,8 @@ RoomSummary summarize(const std::vector<RoomRun>& runs) {
   };
   summary.exact_count_share = share(&RoomRun::is_exact);
   summary.success_share = share(&RoomRun::is_success);
+  summary.silent_failures = static_cast<std::size_t>(std::count_if(
+      runs.begin(), runs.end(), [](const RoomRun& run) { return !run.is_accurate() && !run.said_lost; }));
   summary.missed = spread(runs, [](const RoomRun& run) { return run.map.missed(); });
   summary.spurious = spread(runs, [](const RoomRun& run) { return run.map.spurious(); });
   summary.wrong_labels = spread(runs, [](const RoomRun& run) { return run.wrong_labels; });
@@ -258,7 +261,7 @@ std::string to_table(const RoomSummary& s) {
         "all %zu landmarks and no other: %.0f %% of the runs; with an RMSE of at most 0.09 m: %.0f %%\n",
         s.true_landmarks, 100.0 * s.exact_count_share, 100.0 * s.success_share);
   }
-  return text +
+  return text + format("farther off than that, and never said \"lost\": %zu\n", s.silent_failures) +
          format(
              "NEES averaged over the runs: inside its 95 %% bounds, %.2f to %.2f, for %.0f %% of the time\n",
              s.nees_low, s.nees_high, 100.0 * s.nees_inside_share);
@@ -269,8 +272,10 @@ std::string to_json(const RoomSummary& s, const std::vector<RoomRun>& runs) {
       "{\n  \"runs\": " + std::to_string(s.runs) +
       ",\n  \"true_landmarks\": " + std::to_string(s.true_landmarks) +
       ",\n  \"exact_count_share\": " + number(s.exact_count_share) +
-      ",\n  \"success_share\": " + number(s.success_share) + ",\n  \"landmarks_missed\": " + json(s.missed) +
-      ",\n  \"landmarks_spurious\": " + json(s.spurious) + ",\n  \"wrong_labels\": " + json(s.wrong_labels) +
+      ",\n  \"success_share\": " + number(s.success_share) +
+      ",\n  \"silent_failures\": " + std::to_string(s.silent_failures) +
+      ",\n  \"landmarks_missed\": " + json(s.missed) + ",\n  \"landmarks_spurious\": " + json(s.spurious) +
+      ",\n  \"wrong_labels\": " + json(s.wrong_labels) +
       ",\n  \"landmark_rmse_m\": " + json(s.landmark_rmse_aligned) +
       ",\n  \"landmark_rmse_start_m\": " + json(s.landmark_rmse_start) +
       ",\n  \"ate_rmse_start_m\": " + json(s.path_rmse) + ",\n  \"pose_nees\": " + json(s.nees) +
@@ -288,6 +293,7 @@ std::string to_json(const RoomSummary& s, const std::vector<RoomRun>& runs) {
             ", \"landmark_max_m\": " + number(run.map.max_aligned) +
             ", \"landmark_rmse_start_m\": " + number(run.map.rmse) +
             ", \"ate_rmse_start_m\": " + number(run.path_rmse) + ", \"pose_nees\": " + number(run.nees_mean) +
+            ", \"said_lost\": " + (run.said_lost ? "true" : "false") +
             ", \"seconds\": " + number(run.seconds) + "}" + (i + 1 < runs.size() ? ",\n" : "\n");
   }
   return text + "  ]\n}\n";
