@@ -96,7 +96,7 @@ class Relocalization(SlamCase):
         run.scenario.pose_in_map = ELSEWHERE
         run.drive(ROUND)
         self.assertFalse(self.is_unknown(run))
-        self.wait_for_state(run, "tracking")
+        self.wait_for_state(run, "lost")
 
     def test_where_the_map_may_still_change_it_is_refused(self):
         run = self.start()

@@ -111,8 +111,10 @@ class SlamRun:
     """A slam_node, the inputs that a scenario sends it and all that it has published."""
 
     # Markers and diagnostics come more often than a robot needs them, so that no test waits for them. The mountings,
-    # which are sent once, may reach the node after the first data on a loaded machine: it waits for them.
-    DEFAULTS = {"output/marker_rate": 50.0, "diagnostic_period": 0.1, "frames/tf_timeout": 5.0}
+    # which are sent once, may reach the node after the first data on a loaded machine: it waits for them. Scenarios
+    # are short and their detections true: each is taken at its word.
+    DEFAULTS = {"output/marker_rate": 50.0, "diagnostic_period": 0.1, "frames/tf_timeout": 5.0,
+                "map/confirm_sightings": 1, "map/remove_after_visits": 0}
 
     def __init__(self, overrides=None, map_directory=None, start=None, mountings=None, **scenario_options):
         self.namespace = "/run_%d" % next(_numbers)
