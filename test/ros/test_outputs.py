@@ -7,6 +7,7 @@ import sys
 import numpy as np
 import rospy
 import rostest
+from kinect_ekf_slam.msg import Landmark
 from visualization_msgs.msg import Marker, MarkerArray
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, "support"))
@@ -108,6 +109,11 @@ class Imu(SlamCase):
         run.wait_for_count("inputs", "refused, imu: silent")
 
 
+def statuses(run):
+    """All that occur in the last ~map; none before it came."""
+    return {landmark.status for landmark in run.map.last.landmarks} if run.map.last else set()
+
+
 class Map(SlamCase):
     def test_map_has_the_landmarks_where_they_are(self):
         run = self.start()
@@ -120,6 +126,15 @@ class Map(SlamCase):
             self.assertEqual(landmark.label, scenario.LANDMARKS[landmark.source_id][0])
             self.assertGreater(landmark.observations, 0)
             self.assert_is_covariance(landmark.covariance)
+
+    def test_a_landmark_is_provisional_until_enough_sightings_agree(self):
+        run = self.start({"map/confirm_sightings": 5})
+        run.drive(0.2)
+        wait_until(lambda: statuses(run) == {Landmark.PROVISIONAL}, "all landmarks are provisional")
+        self.assertEqual(run.saved_map()["landmarks"], [])
+        run.drive(1.5)
+        wait_until(lambda: statuses(run) == {Landmark.CONFIRMED}, "all landmarks are confirmed")
+        self.assertEqual(len(run.saved_map()["landmarks"]), 4)
 
     def test_who_comes_late_gets_the_map_and_the_markers(self):
         run = self.start()
