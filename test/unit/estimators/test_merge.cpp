@@ -96,7 +96,7 @@ TYPED_TEST(Merge, IsTheGaussianGivenThatTheTwoAreOne) {
   const bool is_linear = TypeParam::kType != Type::kInvariantEkf;
   const double tolerance = is_linear ? 1e-10 : 2e-2 * error.norm();
   const double covariance_tolerance = is_linear ? 1e-10 : 2e-2 * covariance.diagonal().maxCoeff();
-  EXPECT_TRUE(MatrixNear(pose_error<Space>(after.map_from_base, before.map_from_base),
+  EXPECT_TRUE(MatrixNear(pose_error<Space>(before.map_from_base, after.map_from_base),
                          error.head(this->kPose), tolerance));
   for (const LandmarkInfo& info : after.infos) {
     const int now = this->kPoint * this->index_in(after, info.id);
