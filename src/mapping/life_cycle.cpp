@@ -54,6 +54,7 @@ void LifeCycle<Space>::count_sightings(TimeNs stamp, KalmanSlam<Space>* filter, 
     if (!is_accepted(assignment.verdict)) continue;
     const int id = assignment.landmark;
     if (assignment.verdict == Verdict::kCreated) {
+      records_[id] = Record{};  // one that is placed anew keeps its id, not its record
       records_[id].first_seen_from = pose;
       filter->set_confirmed(id, false);
     }
@@ -156,9 +157,25 @@ void LifeCycle<Space>::merge_duplicates(KalmanSlam<Space>* filter, UpdateReport*
         record->second.last_seen = std::max(record->second.last_seen, taken_over->second.last_seen);
       }
       records_.erase(dropped.id);
+      take_over_company(dropped.id, kept.id);
       report->merged.emplace_back(dropped.id, kept.id);
       return;  // the list has changed; the next ones wait for the next time
     }
+  }
+}
+
+/// What was seen together with the one that goes was seen together with the one that stays.
+template <class Space>
+void LifeCycle<Space>::take_over_company(int dropped, int kept) {
+  for (auto pair = seen_together_.begin(); pair != seen_together_.end();) {
+    const auto [low, high] = pair->first;
+    if (low != dropped && high != dropped) {
+      ++pair;
+      continue;
+    }
+    const int other = low == dropped ? high : low;
+    if (other != kept) seen_together_[{std::min(kept, other), std::max(kept, other)}] += pair->second;
+    pair = seen_together_.erase(pair);
   }
 }
 

@@ -21,11 +21,22 @@ class FakeMap : public PredictedMap<Planar> {
   void set_covariance(int landmark, const Eigen::Matrix2d& covariance) {
     landmarks_[landmark].covariance = covariance;
   }
+  /// Of all landmarks' expected points, one after the other.
+  void set_joint_covariance(const Eigen::MatrixXd& covariance) {
+    joint_covariance_ = covariance;
+    for (int i = 0; i < size(); ++i) set_covariance(i, cross_covariance(i, i));
+  }
+  /// What is known of a landmark, to be written.
+  LandmarkInfo& known_of(int landmark) { return landmarks_[landmark].info; }
 
   int size() const override { return static_cast<int>(landmarks_.size()); }
   const LandmarkInfo& info(int landmark) const override { return landmarks_[landmark].info; }
   Eigen::Vector2d point_in_base(int landmark) const override { return landmarks_[landmark].point; }
   Eigen::Matrix2d covariance(int landmark) const override { return landmarks_[landmark].covariance; }
+  Eigen::Matrix2d cross_covariance(int a, int b) const override {
+    if (joint_covariance_.size() == 0) return Eigen::Matrix2d::Zero();
+    return joint_covariance_.block<2, 2>(2 * a, 2 * b);
+  }
 
  private:
   struct Entry {
@@ -34,6 +45,7 @@ class FakeMap : public PredictedMap<Planar> {
     Eigen::Matrix2d covariance;
   };
   std::vector<Entry> landmarks_;
+  Eigen::MatrixXd joint_covariance_;
 };
 
 inline Observation<Planar> sighting(const Eigen::Vector2d& point_in_base, int identity = kNoId,

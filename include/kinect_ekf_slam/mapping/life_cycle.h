@@ -22,7 +22,11 @@ class LifeCycle {
   void keep(TimeNs stamp, const std::vector<Observation<Space>>& observations, KalmanSlam<Space>* filter,
             UpdateReport* report);
   /// Of a map that was loaded nothing is known but that its landmarks are there.
-  void clear() { records_.clear(); }
+  void clear() {
+    records_.clear();
+    seen_together_.clear();
+    last_merged_ = 0;
+  }
 
  private:
   struct Record {
@@ -42,6 +46,7 @@ class LifeCycle {
                     KalmanSlam<Space>* filter, const UpdateReport& report);
   void remove_unlikely(TimeNs stamp, KalmanSlam<Space>* filter, UpdateReport* report);
   void merge_duplicates(KalmanSlam<Space>* filter, UpdateReport* report);
+  void take_over_company(int dropped, int kept);
   bool is_in_view(const typename Space::Point& point_in_base) const;
   bool deserves_belief(const Record& record, const typename Space::Pose& map_from_base) const;
 
