@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "kinect_ekf_slam/association/gate.h"
@@ -47,9 +48,9 @@ int CompressedEkf<Space>::index_of(int id) {
 /// The constraint touches the whole map: it is put upon the whole, and the region begins anew.
 template <class Space>
 bool CompressedEkf<Space>::merge(int kept_id, int dropped_id, double gate) {
-  std::vector<int> all;
   update_whole();
-  for (int i = 0; i < whole_.landmark_count(); ++i) all.push_back(i);
+  std::vector<int> all(static_cast<std::size_t>(whole_.landmark_count()));
+  std::iota(all.begin(), all.end(), 0);
   activate(std::move(all));
   const bool merged = Base::merge(kept_id, dropped_id, gate);
   restore(state_.snapshot());

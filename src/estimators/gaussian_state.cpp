@@ -18,8 +18,8 @@ typename Space::PoseMatrix GaussianState<Space>::pose_covariance() const {
 template <class Space>
 typename Space::PointMatrix GaussianState<Space>::landmark_covariance(int a, int b) const {
   if (a < b) return landmark_covariance(b, a).transpose();
-  const PointMatrix block = covariance_.block<kPointDim, kPointDim>(row(a), row(b));
-  if (a == b) return block.template selfadjointView<Eigen::Lower>();
+  PointMatrix block = covariance_.block<kPointDim, kPointDim>(row(a), row(b));
+  if (a == b) return PointMatrix(block.template selfadjointView<Eigen::Lower>());
   return block;
 }
 

@@ -136,32 +136,48 @@ void LifeCycle<Space>::remove_unlikely(TimeNs stamp, KalmanSlam<Space>* filter, 
   }
 }
 
+/// The nearest two that may be one become one; the next ones wait for the next time.
 template <class Space>
 void LifeCycle<Space>::merge_duplicates(KalmanSlam<Space>* filter, UpdateReport* report) {
+  struct Pair {
+    double distance;  // m
+    std::size_t kept;
+    std::size_t dropped;
+  };
   const std::vector<LandmarkEstimate<Space>> landmarks = filter->landmarks();
+  std::vector<Pair> pairs;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     for (std::size_t j = i + 1; j < landmarks.size(); ++j) {
-      const auto apart = (landmarks[i].position_in_map - landmarks[j].position_in_map).norm();
-      if (apart > options_.merge_distance) continue;
+      const double distance = (landmarks[i].position_in_map - landmarks[j].position_in_map).norm();
+      if (distance > options_.merge_distance) continue;
       const bool keep_first = landmarks[i].info.observations >= landmarks[j].info.observations;
-      const LandmarkInfo& kept = landmarks[keep_first ? i : j].info;
-      const LandmarkInfo& dropped = landmarks[keep_first ? j : i].info;
-      const auto together =
-          seen_together_.find({std::min(kept.id, dropped.id), std::max(kept.id, dropped.id)});
-      if (together != seen_together_.end() && together->second > kTogether * dropped.observations) continue;
-      if (!filter->merge(kept.id, dropped.id, merge_gate_)) continue;
-      const auto taken_over = records_.find(dropped.id);
-      const auto record = records_.find(kept.id);
-      if (taken_over != records_.end() && record != records_.end()) {
-        record->second.sightings += taken_over->second.sightings;
-        record->second.last_seen = std::max(record->second.last_seen, taken_over->second.last_seen);
-      }
-      records_.erase(dropped.id);
-      take_over_company(dropped.id, kept.id);
-      report->merged.emplace_back(dropped.id, kept.id);
-      return;  // the list has changed; the next ones wait for the next time
+      pairs.push_back({distance, keep_first ? i : j, keep_first ? j : i});
     }
   }
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const Pair& left, const Pair& right) { return left.distance < right.distance; });
+  for (const Pair& pair : pairs) {
+    const LandmarkInfo& kept = landmarks[pair.kept].info;
+    const LandmarkInfo& dropped = landmarks[pair.dropped].info;
+    const auto together = seen_together_.find({std::min(kept.id, dropped.id), std::max(kept.id, dropped.id)});
+    if (together != seen_together_.end() && together->second > kTogether * dropped.observations) continue;
+    if (!filter->merge(kept.id, dropped.id, merge_gate_)) continue;
+    take_over(dropped.id, kept.id);
+    report->merged.emplace_back(dropped.id, kept.id);
+    return;
+  }
+}
+
+template <class Space>
+void LifeCycle<Space>::take_over(int dropped_id, int kept_id) {
+  const auto dropped = records_.find(dropped_id);
+  const auto kept = records_.find(kept_id);
+  if (dropped != records_.end() && kept != records_.end()) {
+    kept->second.sightings += dropped->second.sightings;
+    kept->second.last_seen = std::max(kept->second.last_seen, dropped->second.last_seen);
+  }
+  records_.erase(dropped_id);
+  take_over_company(dropped_id, kept_id);
 }
 
 /// What was seen together with the one that goes was seen together with the one that stays.

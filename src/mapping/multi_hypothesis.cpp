@@ -34,6 +34,7 @@ MultiHypothesis<Space>::MultiHypothesis(const ManagedMap<Space>& map, const Asso
     : options_(options), ranking_(options) {
   hypotheses_.emplace_back();
   hypotheses_.back().map = std::make_unique<ManagedMap<Space>>(map);
+  for (const auto& landmark : map.landmarks()) unused_id_ = std::max(unused_id_, landmark.info.id + 1);
 }
 
 template <class Space>

@@ -9,9 +9,10 @@ namespace kinect_ekf_slam {
 
 /// Joint compatibility branch and bound (Neira and Tardos, IEEE Trans. Robotics and Automation 17(6), 2001).
 ///
-/// Of all ways to pair the sightings of one time with landmarks whose joint innovation lies inside the gate,
-/// the one with the most pairs, and of these the one nearest. The search tries likely pairs first and stops
-/// after `joint_work` pairings: it then has the best that it has seen, at least the greedy one.
+/// Of all ways to pair the sightings of one time with landmarks whose joint innovation, as it grows pair by
+/// pair, stays inside the gate, the one with the most pairs, and of these the one nearest. The search tries
+/// likely pairs first and stops after `joint_work` pairings: it then has the best that it has seen, at least
+/// the greedy one.
 template <class Space>
 class JointCompatibility : public Associator<Space> {
  public:

@@ -45,6 +45,8 @@ class LifeCycle {
   void count_misses(TimeNs stamp, const std::vector<Observation<Space>>& observations,
                     KalmanSlam<Space>* filter, const UpdateReport& report);
   void remove_unlikely(TimeNs stamp, KalmanSlam<Space>* filter, UpdateReport* report);
+  /// What was known of a landmark that turned out to be another one.
+  void take_over(int dropped_id, int kept_id);
   void merge_duplicates(KalmanSlam<Space>* filter, UpdateReport* report);
   void take_over_company(int dropped, int kept);
   bool is_in_view(const typename Space::Point& point_in_base) const;

@@ -41,8 +41,8 @@ class MultiHypothesis : public SlamEstimator<Space> {
  private:
   /// What a hypothesis takes a sighting for.
   struct Decision {
-    TimeNs stamp;
-    int detection;
+    TimeNs stamp = 0;
+    int detection = 0;
     Assignment assignment;  ///< the landmark by its id
     bool operator==(const Decision& other) const;
   };
@@ -58,9 +58,9 @@ class MultiHypothesis : public SlamEstimator<Space> {
     std::vector<LandmarkEstimate<Space>> landmarks;
   };
   struct Branch {
-    std::size_t parent;
+    std::size_t parent = 0;
     RankedAssignment ranked;
-    double log_weight;
+    double log_weight = 0.0;
   };
 
   const Hypothesis& best() const { return hypotheses_.front(); }
