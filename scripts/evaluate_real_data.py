@@ -195,10 +195,10 @@ def print_estimators(results):
 
 
 def print_misread(data, out, settings):
-    print(f"MRCLAM 6, {100 * MISREAD_SHARE:g} % of the identities wrong, config/mrclam.yaml; obeyed: with "
-          + ", ".join(WITHOUT_CHECK))
-    print("                                       path ATE (m)               landmarks (m)")
-    print("  seed   robot   wrong   caught   clean checked  obeyed     clean checked  obeyed")
+    print(f"MRCLAM 6, {100 * MISREAD_SHARE:g} % of the identities wrong, config/mrclam.yaml;")
+    print("  obeyed: with " + " ".join(WITHOUT_CHECK))
+    print("                          caught                path ATE (m)               landmarks (m)")
+    print("  seed   robot   wrong   checked  obeyed     clean checked  obeyed     clean checked  obeyed")
     wrong_of_all = caught_of_all = worse = 0
     for seed in MISREAD_SEEDS:
         for robot, (wrong, results) in zip(ROBOTS, misread(data, out, seed, settings)):
@@ -207,11 +207,11 @@ def print_misread(data, out, settings):
                        for key in ("ate_rmse_m", "landmark_rmse_m")]
             wrong_of_all, caught_of_all = wrong_of_all + wrong, caught_of_all + caught
             worse += any(checked > obeyed for _, checked, obeyed in figures)
-            print(f"  {seed:4d} {robot:7d} {wrong:7d} {caught / wrong:7.0%} "
+            print(f"  {seed:4d} {robot:7d} {wrong:7d} {caught / wrong:9.0%} {results['obeyed']['caught'] / wrong:7.0%}  "
                   + "   ".join("".join(f"{figure:8.3f}" for figure in row) for row in figures))
-    print(f"   all         {wrong_of_all:7d} {caught_of_all / wrong_of_all:7.0%}   {worse} of "
+    print(f"   all         {wrong_of_all:7d} {caught_of_all / wrong_of_all:9.0%}           {worse} of "
           f"{len(MISREAD_SEEDS) * len(ROBOTS)} worse checked than obeyed")
-    print("  goal                    >= 50%   none worse checked than obeyed")
+    print("  goal                    >= 50%             none worse checked than obeyed")
 
 
 def print_mrclam_unknown(results, later=0):
@@ -274,7 +274,8 @@ def run(arguments):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", default=default_data(), help="folder of the recorded data (default: SLAM_DATA, else shared/data beside the package)")
+    parser.add_argument("--data", default=default_data(),
+                        help="folder of the recorded data (default: SLAM_DATA, else shared/data beside the package)")
     parser.add_argument("--out", default=os.path.join(ROOT, "runs", "real_data"), help="folder for bags and results")
     parser.add_argument("--set", nargs="+", default=[], metavar="group/key=value", dest="settings",
                         help="parameters to try, over the configurations")
