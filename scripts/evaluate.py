@@ -53,6 +53,8 @@ evaluation.json, null where unknown
   association_accuracy                       of the accepted detections with a source_id, the share whose
                                              landmark matches the true landmark of that identity; with a
                                              landmark that is no longer in the map, or spurious, it is wrong
+  association_accuracy_instant               the same as told at once (associations_instant.csv), before later
+                                             sightings changed it
   pose_nees_mean, pose_nees_start_mean       mean of e^T P^-1 e, with 3 degrees of freedom (x, y, yaw) in the
                                              plane and 6 in space; a consistent estimate has the degrees of
                                              freedom for mean. Poses with a singular covariance are skipped.

@@ -1,15 +1,18 @@
 #!/usr/bin/python3
 """Runs the package on recorded data by others and prints how well it does, beside what it has to reach.
 
-MRCLAM dataset 6 (five robots, known identities, one configuration), a TurtleBot3 among nine cylinders, a truck among
-the trees of Victoria Park, a Husky by dead reckoning against GPS. The data are not part of the package: --data, else the environment variable SLAM_DATA,
-names the folder; without it there is nothing to do.
+MRCLAM dataset 6 (five robots, known identities, one configuration), MRCLAM dataset 4 with the identities withheld,
+a TurtleBot3 among nine cylinders, a truck among the trees of Victoria Park, a Husky by dead reckoning against GPS.
+The data are not part of the package: --data, else the environment variable SLAM_DATA, names the folder; without it
+there is nothing to do. --misread and --crops run their own studies instead.
 """
 import argparse
 import json
 import os
 import subprocess
+import shutil
 import sys
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
@@ -21,6 +24,12 @@ ROOT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
 PYTHON = "/usr/bin/python3"
 ROBOTS = (1, 2, 3, 4, 5)
 HEADING_SOURCES = ("odometry", "gyrodometry", "gyrodometry_report", "imu")
+CROPS_S = (100, 200, 300, 400, 500, 600)   # s that a run of MRCLAM 4 begins later
+MISREAD_SHARE, MISREAD_SEEDS = 0.035, (1, 2)
+# A textbook's update: what has an identity is obeyed, with its full weight, wherever it says to be.
+WITHOUT_CHECK = ("association/gate_probability=0.999999999999",
+                 "association/new_landmark_probability=0.999999999999", "estimator/robust_threshold=0",
+                 "estimator/replace_after=0")
 ESTIMATORS = ("invariant_ekf", "ekf", "compressed_ekf", "ukf", "fastslam1", "fastslam2")
 
 
@@ -48,15 +57,92 @@ def replay(bag, truth, config, directory, *settings, align="se2"):
     return result
 
 
+def mrclam_bag(folder, robot, bag, *options):
+    if not os.path.exists(bag):
+        script("mrclam_to_bag.py", folder, str(robot), bag, *options)
+    return bag
+
+
+def of_robots(function):
+    """The function's results for the five robots, two at a time."""
+    with ThreadPoolExecutor(2) as pool:
+        return list(pool.map(function, ROBOTS))
+
+
 def mrclam(data, out, settings=(), name="mrclam6"):
     """Results of the five robots of MRCLAM 6."""
     def one(robot):
-        bag = os.path.join(out, f"mrclam6_{robot}.bag")
-        if not os.path.exists(bag):
-            script("mrclam_to_bag.py", os.path.join(data, "mrclam6"), str(robot), bag)
+        bag = mrclam_bag(os.path.join(data, "mrclam6"), robot, os.path.join(out, f"mrclam6_{robot}.bag"))
         return replay(bag, bag, "mrclam.yaml", os.path.join(out, f"{name}_{robot}"), *settings)
-    with ThreadPoolExecutor(2) as pool:
-        return list(pool.map(one, ROBOTS))
+    return of_robots(one)
+
+
+def identities(bag_path):
+    """{(stamp in ns, index in its message): identity} of the detections in a bag."""
+    from slam_tools.bags import open_bag
+    with open_bag(bag_path) as bag:
+        return {(message.header.stamp.to_nsec(), i): detection.id
+                for _, message, _ in bag.read_messages("/landmarks") for i, detection in enumerate(message.detections)}
+
+
+def count_caught(directory, wrong):
+    """How many of the wrong detections, {(stamp in ns, index)}, were not accepted at the end."""
+    from slam_tools.evaluation import ACCEPTED, ASSOCIATION_COLUMNS
+    from slam_tools.tables import read_csv
+    rows = read_csv(os.path.join(directory, "associations.csv"), ASSOCIATION_COLUMNS, ("detection",))
+    accepted = {(int(row["t"].replace(".", "")), int(row["detection"])) for row in rows if row["verdict"] in ACCEPTED}
+    return len(wrong - accepted)
+
+
+def misread(data, out, seed, settings=()):
+    """Of each robot of MRCLAM 6 with misread identities: (number misread, {"clean", "checked", "obeyed": result});
+    "caught" in the results of the latter two is how many of them were not accepted."""
+    def one(robot):
+        folder = os.path.join(data, "mrclam6")
+        clean = mrclam_bag(folder, robot, os.path.join(out, f"mrclam6_{robot}.bag"))
+        bag = mrclam_bag(folder, robot, os.path.join(out, f"misread{seed}_{robot}.bag"),
+                         "--wrong-identities", str(MISREAD_SHARE), "--seed", str(seed))
+        true, read = identities(clean), identities(bag)
+        wrong = {key for key, identity in true.items() if read[key] != identity}
+        results = {}
+        for name, source, more in (("clean", clean, ()), ("checked", bag, ()), ("obeyed", bag, WITHOUT_CHECK)):
+            directory = os.path.join(out, f"misread{seed}_{name}_{robot}")
+            results[name] = replay(source, clean, "mrclam.yaml", directory, *settings, *more)
+            results[name]["caught"] = count_caught(directory, wrong)
+        return len(wrong), results
+    return of_robots(one)
+
+
+def begin_later(folder, robot, seconds, target):
+    """Copies what MRCLAM recorded of a robot without the rows of its first seconds."""
+    for name in ("Barcodes.dat", "Landmark_Groundtruth.dat"):
+        shutil.copy(os.path.join(folder, name), target)
+    start = None
+    for name in (f"Robot{robot}_Odometry.dat", f"Robot{robot}_Measurement.dat"):
+        with open(os.path.join(folder, name), encoding="utf-8") as file:
+            rows = [line for line in file if line.strip() and not line.startswith("#")]
+        start = float(rows[0].split()[0]) if start is None else start
+        with open(os.path.join(target, name), "w", encoding="utf-8") as file:
+            file.writelines(row for row in rows if float(row.split()[0]) >= start + seconds)
+
+
+def mrclam_unknown(data, out, settings=(), later=0):
+    """Results of the five robots of MRCLAM 4, identities withheld, begun so many seconds later."""
+    def one(robot):
+        bag = os.path.join(out, f"mrclam4_{robot}_{later}.bag")
+        with tempfile.TemporaryDirectory() as cut:
+            folder = os.path.join(data, "mrclam4")
+            if later:
+                begin_later(folder, robot, later, cut)
+            mrclam_bag(cut if later else folder, robot, bag)
+        return replay(bag, bag, "mrclam_unknown.yaml", os.path.join(out, f"mrclam4_{robot}_{later}"), *settings)
+    return of_robots(one)
+
+
+def meets_unknown_goals(result):
+    return (result["landmarks_estimated"] == 15 and result["landmarks_missed"] == 0
+            and result["association_accuracy"] >= 0.99 and result["landmark_rmse_m"] <= 0.08
+            and result["summary"]["times_real_time"] >= 20.0)
 
 
 def turtlebot3(data, out, settings=()):
@@ -108,6 +194,46 @@ def print_estimators(results):
     print("  goal                             <= 1.15                         1.5 to 4")
 
 
+def print_misread(data, out, settings):
+    print(f"MRCLAM 6, {100 * MISREAD_SHARE:g} % of the identities wrong, config/mrclam.yaml;")
+    print("  obeyed: with " + " ".join(WITHOUT_CHECK))
+    print("                          caught                path ATE (m)               landmarks (m)")
+    print("  seed   robot   wrong   checked  obeyed     clean checked  obeyed     clean checked  obeyed")
+    wrong_of_all = caught_of_all = worse = 0
+    for seed in MISREAD_SEEDS:
+        for robot, (wrong, results) in zip(ROBOTS, misread(data, out, seed, settings)):
+            caught = results["checked"]["caught"]
+            figures = [[results[name][key] for name in ("clean", "checked", "obeyed")]
+                       for key in ("ate_rmse_m", "landmark_rmse_m")]
+            wrong_of_all, caught_of_all = wrong_of_all + wrong, caught_of_all + caught
+            worse += any(checked > obeyed for _, checked, obeyed in figures)
+            print(f"  {seed:4d} {robot:7d} {wrong:7d} {caught / wrong:9.0%} {results['obeyed']['caught'] / wrong:7.0%}  "
+                  + "   ".join("".join(f"{figure:8.3f}" for figure in row) for row in figures))
+    print(f"   all         {wrong_of_all:7d} {caught_of_all / wrong_of_all:9.0%}           {worse} of "
+          f"{len(MISREAD_SEEDS) * len(ROBOTS)} worse checked than obeyed")
+    print("  goal                    >= 50%             none worse checked than obeyed")
+
+
+def print_mrclam_unknown(results, later=0):
+    begun = f", begun {later} s later" if later else ""
+    print(f"MRCLAM 4, identities withheld, config/mrclam_unknown.yaml, aligned in SE(2){begun}")
+    print("  robot   landmarks   associations right   as told at once   landmarks (m)   times real time")
+    for robot, result in zip(ROBOTS, results):
+        print(f"  {robot:5d} {result['landmarks_estimated']:11d} {result['association_accuracy']:20.4f} "
+              f"{result['association_accuracy_instant']:17.4f} {result['landmark_rmse_m']:15.3f} "
+              f"{result['summary']['times_real_time']:17.0f}")
+    print("   goal          15              >= 0.99                           <= 0.08             >= 20")
+
+
+def print_crops(data, out, settings):
+    met = 0
+    for later in CROPS_S:
+        results = mrclam_unknown(data, out, settings, later)
+        print_mrclam_unknown(results, later)
+        met += sum(map(meets_unknown_goals, results))
+    print(f"{met} of {len(CROPS_S) * len(ROBOTS)} runs begun later meet all goals")
+
+
 def print_turtlebot3(result):
     print("TurtleBot3, laser, unknown identities, config/turtlebot3.yaml, aligned in SE(2)")
     print(f"  landmarks {result['landmarks_estimated']} of {result['landmarks_true']}, largest error "
@@ -127,27 +253,43 @@ def print_husky(results):
         print(f"  {source:20s} path ATE {result['ate_rmse_m']:.2f} m")
 
 
+def run(arguments):
+    """Runs and prints what was asked for."""
+    if arguments.misread:
+        print_misread(arguments.data, arguments.out, arguments.settings)
+    if arguments.crops:
+        print_crops(arguments.data, arguments.out, arguments.settings)
+    if arguments.misread or arguments.crops:
+        return
+    print_mrclam(mrclam(arguments.data, arguments.out, arguments.settings))
+    if arguments.estimators:
+        print_estimators({name: mrclam(arguments.data, arguments.out,
+                                       [*arguments.settings, "estimator/type=" + name], "mrclam6_" + name)
+                          for name in ESTIMATORS})
+    print_mrclam_unknown(mrclam_unknown(arguments.data, arguments.out, arguments.settings))
+    print_turtlebot3(turtlebot3(arguments.data, arguments.out, arguments.settings))
+    print_victoria_park(victoria_park(arguments.data, arguments.out, arguments.settings))
+    print_husky(husky(arguments.data, arguments.out))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", default=default_data(), help="folder of the recorded data (default: SLAM_DATA, else shared/data beside the package)")
+    parser.add_argument("--data", default=default_data(),
+                        help="folder of the recorded data (default: SLAM_DATA, else shared/data beside the package)")
     parser.add_argument("--out", default=os.path.join(ROOT, "runs", "real_data"), help="folder for bags and results")
     parser.add_argument("--set", nargs="+", default=[], metavar="group/key=value", dest="settings",
                         help="parameters to try, over the configurations")
     parser.add_argument("--estimators", action="store_true", help="also MRCLAM with every estimator (minutes)")
+    parser.add_argument("--misread", action="store_true", help="MRCLAM 6 with misread identities, nothing else")
+    parser.add_argument("--crops", action="store_true",
+                        help="MRCLAM 4 with the identities withheld, begun 100 to 600 s later, nothing else")
     arguments = parser.parse_args()
     if not os.path.isdir(arguments.data):
         print(f"evaluate_real_data.py: skipped: no recorded data in {arguments.data} (set SLAM_DATA)")
         return 0
     os.makedirs(arguments.out, exist_ok=True)
     try:
-        print_mrclam(mrclam(arguments.data, arguments.out, arguments.settings))
-        if arguments.estimators:
-            print_estimators({name: mrclam(arguments.data, arguments.out,
-                                           [*arguments.settings, "estimator/type=" + name], "mrclam6_" + name)
-                              for name in ESTIMATORS})
-        print_turtlebot3(turtlebot3(arguments.data, arguments.out, arguments.settings))
-        print_victoria_park(victoria_park(arguments.data, arguments.out, arguments.settings))
-        print_husky(husky(arguments.data, arguments.out))
+        run(arguments)
     except (OSError, subprocess.CalledProcessError) as error:
         print(f"evaluate_real_data.py: {error}", file=sys.stderr)
         return 2

@@ -16,6 +16,9 @@ Barcodes.dat and Landmark_Groundtruth.dat. The bag holds
                            sensor model of the parameters counts.
   /ground_truth/pose       geometry_msgs/PoseStamped in frame map, when the dataset has it (about 100 Hz)
   /ground_truth/landmarks  kinect_ekf_slam/LandmarkMap in frame map, once at the start
+
+--wrong-identities gives a share of the landmarks' detections the identity of another landmark, to see what
+misread barcodes do. All else stays, so that the bag made without it tells which detections they are.
 """
 import os
 import sys
@@ -70,6 +73,22 @@ def group_starts(stamps):
     return starts + [len(stamps)]
 
 
+def misread(subjects, landmarks, share, seed):
+    """The subjects as read when a share of the landmarks' barcodes is taken for that of another landmark.
+
+    subjects: n; landmarks: subject numbers that are landmarks; of the sightings of those, a share of exactly
+    `share`, rounded to whole sightings, gets one of the other landmarks, each with the same probability.
+    """
+    random = np.random.default_rng(seed)
+    landmarks = np.unique(landmarks)
+    sightings = np.flatnonzero(np.isin(subjects, landmarks))
+    wrong = random.choice(sightings, size=round(share * len(sightings)), replace=False)
+    others = random.integers(1, len(landmarks), size=len(wrong))   # how far on in the list, never back at itself
+    read = subjects.copy()
+    read[wrong] = landmarks[(np.searchsorted(landmarks, subjects[wrong]) + others) % len(landmarks)]
+    return read
+
+
 def detection_messages(rows, subjects, messages):
     """(receipt time in ns, message) for rows of time, subject, range, bearing; robots are left out."""
     stamps = nanoseconds(rows[:, 0])
@@ -104,7 +123,8 @@ def true_landmark_map(rows, stamp, messages):
     return message
 
 
-def convert(folder, robot, bag_path):
+def convert(folder, robot, bag_path, wrong_identities=0.0, seed=1):
+    """Writes the bag; wrong_identities: share of the landmarks' detections with the identity of another."""
     messages = package_messages()
 
     if not os.path.isdir(folder):
@@ -124,9 +144,14 @@ def convert(folder, robot, bag_path):
     subject_of_barcode = {int(barcode): int(subject) for subject, barcode in barcodes}
     subjects = np.array([subject_of_barcode.get(int(barcode), -1) for barcode in measurements[:, 1]])
     robots = int(np.isin(subjects, ROBOT_SUBJECTS).sum())
+    read = subjects
+    if wrong_identities > 0.0:
+        if len(true_landmarks) < 2:
+            raise cli.InputError(f"{folder}: has one landmark; --wrong-identities needs another to mistake it for")
+        read = misread(subjects, true_landmarks[:, 0].astype(int), wrong_identities, seed)
 
     start = int(min(nanoseconds(table[0, 0]) for table in (rows, measurements, true_poses) if len(table)))
-    streams = heapq.merge(odometry(rows), detection_messages(measurements, subjects, messages),
+    streams = heapq.merge(odometry(rows), detection_messages(measurements, read, messages),
                           true_pose_messages(nanoseconds(true_poses[:, 0]), true_poses[:, 1:3],
                                              quaternion_from_yaw(true_poses[:, 3])), key=lambda item: item[0])
     with BagWriter(bag_path) as bag:
@@ -141,8 +166,9 @@ def convert(folder, robot, bag_path):
     print(f"/odom                    {samples:6d} messages: {len(rows)} rows, {samples - len(rows)} "
           f"samples to fill gaps; {repeated} rows with a repeated stamp left out")
     unlisted = int((subjects < 0).sum())
-    print(f"/landmarks               {bag.counts['/landmarks']:6d} messages: {len(subjects) - robots} "
-          f"detections, {unlisted} of them with an unlisted barcode; {robots} sightings of robots left out")
+    wrong = f"{int((read != subjects).sum())} with a wrong identity, " if wrong_identities > 0.0 else ""
+    print(f"/landmarks               {bag.counts['/landmarks']:6d} messages: {len(subjects) - robots} detections, "
+          f"{wrong}{unlisted} of them with an unlisted barcode; {robots} sightings of robots left out")
     print(f"{TRUE_POSE_TOPIC}       {poses:6d} messages{'' if poses else ': the dataset has no such file'}")
     print(f"{TRUE_LANDMARKS_TOPIC}       1 message: {len(true_landmarks)} landmarks")
 
@@ -153,8 +179,16 @@ def main():
     parser.add_argument("robot", metavar="ROBOT", type=int, choices=range(1, 6),
                         help="number of the robot, 1 to 5")
     parser.add_argument("bag", metavar="OUT.bag", help="bag to write; one that exists is replaced")
+    parser.add_argument("--wrong-identities", metavar="SHARE", type=float, default=0.0,
+                        help="share of the landmarks' detections that get the identity of another landmark "
+                        "(default: none)")
+    parser.add_argument("--seed", metavar="N", type=int, default=1, help="of these (default: %(default)d)")
     arguments = parser.parse_args()
-    convert(arguments.folder, arguments.robot, arguments.bag)
+    if not 0.0 <= arguments.wrong_identities <= 1.0:
+        parser.error(f"--wrong-identities is {arguments.wrong_identities:g}; a share from 0 to 1 is needed")
+    if arguments.seed < 0:
+        parser.error(f"--seed is {arguments.seed}; a whole number from 0 is needed")
+    convert(arguments.folder, arguments.robot, arguments.bag, arguments.wrong_identities, arguments.seed)
 
 
 if __name__ == "__main__":

@@ -42,7 +42,8 @@ class Estimate:
     covariances: Optional[np.ndarray]      # n x 6 x 6: x y z roll pitch yaw, axes of the map
     dead_reckoning: Optional[Path]
     landmarks: Landmarks                   # identities: the majority of the associations
-    associations: Associations
+    associations: Associations             # as known at the end
+    associations_instant: Optional[Associations]   # as told at once
 
 
 @dataclass(frozen=True)
@@ -173,7 +174,9 @@ def read_estimate(folder):
     landmarks = read_landmarks(os.path.join(folder, "landmarks.csv"), associations)
     if covariances is not None:
         covariances = covariances[order]
-    return Estimate(path, covariances, dead_reckoning, landmarks, associations)
+    instant_path = os.path.join(folder, "associations_instant.csv")
+    instant = read_associations(instant_path) if os.path.exists(instant_path) else None
+    return Estimate(path, covariances, dead_reckoning, landmarks, associations, instant)
 
 
 def read_truth(bag_path):
@@ -360,7 +363,8 @@ def evaluate(estimate, truth, alignment):
 
     metrics = {name: None for name in (
         "align", "ate_rmse_m", "path_error_median_m", "path_error_p95_m", "heading_rmse_deg", "landmark_rmse_m", "landmark_max_m", "landmarks_estimated",
-        "landmarks_true", "landmarks_missed", "landmarks_spurious", "association_accuracy", "pose_nees_mean",
+        "landmarks_true", "landmarks_missed", "landmarks_spurious", "association_accuracy",
+        "association_accuracy_instant", "pose_nees_mean",
         "dead_reckoning_ate_rmse_m", "ate_rmse_start_m", "landmark_rmse_start_m", "pose_nees_start_mean",
         "path_length_m", "duration_s")}
     metrics["align"] = alignment
@@ -408,6 +412,9 @@ def evaluate(estimate, truth, alignment):
         metrics["landmarks_missed"] = len(true) - len(pairs)
         metrics["landmarks_spurious"] = len(estimated) - len(pairs)
         metrics["association_accuracy"] = association_accuracy(estimated, true, pairs, estimate.associations)
+        if estimate.associations_instant is not None:
+            metrics["association_accuracy_instant"] = association_accuracy(estimated, true, pairs,
+                                                                           estimate.associations_instant)
         matched = estimated.positions[list(pairs.keys())].reshape(-1, 3)
         targets = true.positions[list(pairs.values())].reshape(-1, 3)
         if landmark_transform is not None and pairs:
@@ -460,7 +467,8 @@ def table(metrics) -> List[str]:
             ("  RMSE, aligned at the start", "landmark_rmse_start_m", "m"),
             ("estimated", "landmarks_estimated", ""), ("true", "landmarks_true", ""),
             ("missed", "landmarks_missed", ""), ("spurious", "landmarks_spurious", ""),
-            ("associations that are right", "association_accuracy", "")]
+            ("associations that are right", "association_accuracy", ""),
+            ("  as told at once", "association_accuracy_instant", "")]
     lines = []
     for title, name, unit in rows:
         if name is None:

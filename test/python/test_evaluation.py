@@ -210,6 +210,9 @@ class EndToEnd(unittest.TestCase):
                 (23, "created", 4, ""),         # a second landmark of the same thing: wrong
                 (24, "gate", 3, 20.0),          # refused: does not count
                 (-1, "matched", 3, 0.5)]))      # unknown: does not count
+        support.write(self.folder, "associations_instant.csv", ASSOCIATION_HEADER + "".join(
+            f"1000.1,0,{identity},{verdict},{landmark},\n" for identity, verdict, landmark in [
+                (21, "created", 0), (22, "matched", 1), (23, "matched", 1), (24, "gate", -1)]))
 
     def evaluate(self, *options):
         process = support.run_script("evaluate.py", self.folder, "--truth", self.bag, *options)
@@ -241,7 +244,7 @@ class EndToEnd(unittest.TestCase):
             "landmark_rmse_m": 0.05 * math.sqrt(2.0),
             "landmark_max_m": 0.05 * math.sqrt(2.0),
             "landmarks_estimated": 5, "landmarks_true": 5, "landmarks_missed": 1, "landmarks_spurious": 1,
-            "association_accuracy": 7 / 9,
+            "association_accuracy": 7 / 9, "association_accuracy_instant": 2 / 3,
             "path_length_m": 0.05 * 399,
             "duration_s": 39.9,
         }
@@ -301,10 +304,12 @@ class EndToEnd(unittest.TestCase):
         self.write_truth(with_landmarks=False)
         os.remove(os.path.join(self.folder, "trajectory_covariance.csv"))
         os.remove(os.path.join(self.folder, "dead_reckoning.tum"))
+        os.remove(os.path.join(self.folder, "associations_instant.csv"))
         metrics, _ = self.evaluate()
         self.assertAlmostEqual(metrics["ate_rmse_m"], 0.1, places=6)
         for name in ("landmark_rmse_m", "landmarks_true", "landmarks_missed", "landmarks_spurious",
-                     "association_accuracy", "pose_nees_mean", "dead_reckoning_ate_rmse_m"):
+                     "association_accuracy", "association_accuracy_instant", "pose_nees_mean",
+                     "dead_reckoning_ate_rmse_m"):
             self.assertIsNone(metrics[name], name)
         self.assertEqual(metrics["landmarks_estimated"], 5)
 
@@ -314,6 +319,7 @@ class EndToEnd(unittest.TestCase):
         support.write(self.folder, "associations.csv", ASSOCIATION_HEADER)
         os.remove(os.path.join(self.folder, "trajectory_covariance.csv"))
         os.remove(os.path.join(self.folder, "dead_reckoning.tum"))
+        os.remove(os.path.join(self.folder, "associations_instant.csv"))
         metrics, _ = self.evaluate()
         for name in ("ate_rmse_m", "landmark_rmse_m", "landmark_max_m", "association_accuracy"):
             self.assertIsNone(metrics[name], name)

@@ -36,12 +36,12 @@ class Converting(unittest.TestCase):
         for name, text in FILES.items():
             support.write(self.folder, name, text)
 
-    def convert(self):
+    def convert(self, *options):
         path = os.path.join(self.folder, "out.bag")
-        return support.run_script("mrclam_to_bag.py", self.folder, 3, path), path
+        return support.run_script("mrclam_to_bag.py", self.folder, 3, path, *options), path
 
-    def messages(self):
-        process, path = self.convert()
+    def messages(self, *options):
+        process, path = self.convert(*options)
         self.assertEqual(process.returncode, 0, process.stderr)
         with rosbag.Bag(path) as bag:
             found = list(bag.read_messages())
@@ -77,6 +77,30 @@ class Converting(unittest.TestCase):
             self.assertEqual((detection.position.z, detection.label, detection.radius, detection.score),
                              (0.0, "", 0.0, 1.0))
             self.assertEqual(list(detection.covariance), [0.0] * 9)
+
+    def test_a_share_of_the_identities_is_wrong_and_all_else_as_it_was(self):
+        landmarks = range(6, 11)
+        support.write(self.folder, "Barcodes.dat", "1 5\n" + "".join(f"{i} {10 * i}\n" for i in landmarks))
+        support.write(self.folder, "Landmark_Groundtruth.dat", "".join(f"{i} {i} 0 0 0\n" for i in landmarks))
+        support.write(self.folder, "Robot3_Measurement.dat", "".join(
+            f"{10 + k:.3f} {5 if k % 10 == 0 else 99 if k % 10 == 1 else 60} 2.0 0.1\n" for k in range(500)))
+
+        def identities(*options):
+            process, found = self.messages(*options)
+            return [[d.id for d in m.detections] for topic, m, _ in found if topic == "/landmarks"], process, [
+                (topic, m) for topic, m, _ in found if topic != "/landmarks"]
+
+        clean, _, clean_rest = identities()
+        wrong, process, rest = identities("--wrong-identities", "0.5", "--seed", "7")
+        self.assertEqual(rest, clean_rest)
+        differing = [(a, b) for of_clean, of_wrong in zip(clean, wrong) for a, b in zip(of_clean, of_wrong) if a != b]
+        self.assertEqual({a for a, _ in differing}, {6})   # no robot, and no barcode that nobody has
+        self.assertEqual(len(differing), 200)              # half of the 400 sightings of landmarks
+        for other in landmarks[1:]:                        # 50 expected, 6 their standard deviation
+            self.assertAlmostEqual(sum(b == other for _, b in differing), 50, delta=25)
+        self.assertIn("200 with a wrong identity", process.stdout)
+        self.assertEqual(identities("--wrong-identities", "0.5", "--seed", "7")[0], wrong)
+        self.assertNotEqual(identities("--wrong-identities", "0.5", "--seed", "8")[0], wrong)
 
     def test_truth_and_order(self):
         process, found = self.messages()
@@ -133,6 +157,8 @@ class Converting(unittest.TestCase):
         out_path = os.path.join(self.folder, "out.bag")
         missing = os.path.join(self.folder, "missing")
         for arguments, expected in [((self.folder, 7, out_path), "7"),
+                                    ((self.folder, 3, out_path, "--wrong-identities", "1.5"), "1.5"),
+                                    ((self.folder, 3, out_path, "--seed", "-1"), "-1"),
                                     ((missing, 3, out_path), "missing"),
                                     ((self.folder, 3, os.path.join(missing, "out.bag")), "does not exist")]:
             support.assert_one_line_error(self, support.run_script("mrclam_to_bag.py", *arguments), expected)
