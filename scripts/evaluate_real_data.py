@@ -27,8 +27,8 @@ HEADING_SOURCES = ("odometry", "gyrodometry", "gyrodometry_report", "imu")
 CROPS_S = (100, 200, 300, 400, 500, 600)   # s that a run of MRCLAM 4 begins later
 MISREAD_SHARE, MISREAD_SEEDS = 0.035, (1, 2)
 # A textbook's update: what has an identity is obeyed, with its full weight, wherever it says to be.
-WITHOUT_CHECK = ("association/gate_probability=0.999999999999",
-                 "association/new_landmark_probability=0.999999999999", "estimator/robust_threshold=0",
+WITHOUT_CHECK = ("association/gate_probability=1.0",
+                 "association/new_landmark_probability=1.0", "estimator/robust_threshold=0",
                  "estimator/replace_after=0")
 ESTIMATORS = ("invariant_ekf", "ekf", "compressed_ekf", "ukf", "fastslam1", "fastslam2")
 

@@ -49,9 +49,10 @@ double chi_square_cdf(double value, double dof) {
 }
 
 double chi_square_quantile(double probability, double dof) {
-  if (!(probability >= 0.0 && probability < 1.0)) {
-    throw std::invalid_argument("chi_square_quantile: probability outside [0, 1)");
+  if (!(probability >= 0.0 && probability <= 1.0)) {
+    throw std::invalid_argument("chi_square_quantile: probability outside [0, 1]");
   }
+  if (probability == 1.0) return std::numeric_limits<double>::infinity();
   double low = 0.0;
   double high = dof + 1.0;
   while (chi_square_cdf(high, dof) < probability) high *= 2.0;

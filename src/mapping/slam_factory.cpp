@@ -1,5 +1,6 @@
 #include "kinect_ekf_slam/mapping/slam_factory.h"
 
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -22,7 +23,10 @@ std::unique_ptr<SlamEstimator<Space>> make_slam(const EstimatorOptions& options,
   }
   if (filter == nullptr) return make_estimator<Space>(options, association, initial);
   LifeCycleOptions keeping = life_cycle;
-  if (association.type == AssociationOptions::Type::kKnown) keeping.merge_distance = 0.0;  // they are two
+  if (association.type == AssociationOptions::Type::kKnown) {
+    keeping.merge_distance = 0.0;  // two names are two landmarks, and a name that is read is hardly nothing
+    keeping.forget_after = std::numeric_limits<double>::infinity();
+  }
   ManagedMap<Space> managed(std::move(filter), keeping);
   if (is_multi) return std::make_unique<MultiHypothesis<Space>>(managed, association);
   return std::make_unique<ManagedMap<Space>>(std::move(managed));

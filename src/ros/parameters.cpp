@@ -185,9 +185,9 @@ void visit(Visitor& v, AssociationOptions& o) {
       "known: by the detection's id; nearest_neighbor: by Mahalanobis distance; jcbb: of all sightings of "
       "one "
       "time together; multi_hypothesis: several maps, until what is seen decides between them");
-  v.number("association/gate_probability", &o.gate_probability, 1e-6, 1.0 - 1e-12, "-",
+  v.number("association/gate_probability", &o.gate_probability, 1e-6, 1.0, "-",
            "share of true sightings that the gate lets through: 0.975 is alpha = 7.378 in the plane");
-  v.number("association/new_landmark_probability", &o.new_landmark_probability, 1e-6, 1.0 - 1e-12, "-",
+  v.number("association/new_landmark_probability", &o.new_landmark_probability, 1e-6, 1.0, "-",
            "nearest_neighbor, jcbb: a detection outside this gate of every landmark is a new one");
   v.number("association/new_landmark_distance", &o.new_landmark_distance, 0.0, kInfinity, "m",
            "a detection nearer than this to a landmark is never a new one, unless identities are known");

@@ -68,7 +68,7 @@ TEST(ChiSquare, HasItsBounds) {
 }
 
 TEST(ChiSquare, RefusesWhatIsNoProbability) {
-  for (const double probability : {1.0, 1.5, -1e-9, std::numeric_limits<double>::quiet_NaN()}) {
+  for (const double probability : {1.5, -1e-9, std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_THROW(chi_square_quantile(probability, 2), std::invalid_argument) << probability;
   }
 }
