@@ -57,6 +57,7 @@ def main():
     after = put(before, "parameters", output_of(ENVIRONMENT, "slam_replay", "--parameters"))
     if arguments.figures:
         after = put(after, "study", fenced(output_of(ENVIRONMENT, "slam_study", "room", "--seeds", "100")))
+        after = put(after, "hard study", fenced(output_of(ENVIRONMENT, "slam_study", "room", "--world", "config/worlds/room_hard.yaml")))
         after = put(after, "consistency", fenced(consistency_figures()))
         after = put(after, "real data", fenced(output_of("scripts/evaluate_real_data.py", "--estimators")))
         after = put(after, "demo", fenced(demo_summary()))
