@@ -1,5 +1,6 @@
 """Reading and writing bags."""
 import contextlib
+import os
 import struct
 from dataclasses import dataclass
 from typing import List
@@ -107,6 +108,10 @@ class BagWriter:
         self.counts = {}
 
     def __enter__(self):
+        if os.path.isfile(self.path):
+            with open(self.path, "rb") as file:
+                if file.read(7) not in (b"#ROSBAG", b""):
+                    raise InputError(f"{self.path}: exists and is no bag, so it is not replaced; name another file")
         self._stack = contextlib.ExitStack()
         temporary_path = self._stack.enter_context(atomic_output(self.path))
         self._bag = self._stack.enter_context(rosbag.Bag(temporary_path, "w"))

@@ -15,12 +15,22 @@ from .tables import read_numbers
 START_STD, DRIFT, OUT_OF_PLANE_STD = 0.01, 0.05, 0.001   # m or rad, -, and m, rad, m/s or rad/s
 
 
+LARGEST = 4e9         # what a bag's stamps can hold in seconds, and more than any number of a dataset
+LONGEST_GAP = 86400   # s
+
+
 def read_rows(folder, name, columns, ordered_by_time=True):
     """The numbers of one of the dataset's files; a file without any is an error."""
     path = os.path.join(folder, name)
     rows = read_numbers(path, columns, ordered_by_time=ordered_by_time)
     if not len(rows):
         raise InputError(f"{path}: holds no rows; rows of {' '.join(columns)} are needed")
+    too_large = np.abs(rows).max(axis=1) > LARGEST
+    if too_large.any():
+        raise InputError(f"{path}: row {int(too_large.argmax()) + 1} of numbers: beyond {LARGEST:.0f} in size")
+    if columns[0] == "time" and ordered_by_time and len(rows) > 1 and np.diff(rows[:, 0]).max() > LONGEST_GAP:
+        start = rows[np.diff(rows[:, 0]).argmax(), 0]
+        raise InputError(f"{path}: nothing for more than a day after time {start:.3f}; is the next time right?")
     return rows
 
 

@@ -138,6 +138,9 @@ RoomRequest parse_room(CommandLine* words, const std::vector<std::string>& own, 
   request.study.pipeline = kinect_ekf_slam::read_run_options(configs, settings, [](const std::string& line) {
                              std::fprintf(stderr, "slam_study: warning: %s\n", line.c_str());
                            }).pipeline;
+  if (request.study.pipeline.mode == kinect_ekf_slam::Mode::kLocalization) {
+    words->fail("mode: localization needs a map, and a study has none; allowed: slam");
+  }
   request.study.on_progress = kinect_ekf_slam::progress_bar();
   return request;
 }

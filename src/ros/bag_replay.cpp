@@ -144,7 +144,9 @@ class Replay {
     }
     session_->flush();
     report_.refusals = session_->input().refusals();
-    report_.landmarks = session_->pipeline().map().size();
+    for (const Landmark3d& landmark : session_->pipeline().map()) {
+      if (landmark.confirmed) ++report_.landmarks;
+    }
     report_.wall_seconds = seconds_since(start);
     if (writer_) {
       summary_.bag = request_.bag;

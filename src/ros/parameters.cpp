@@ -219,6 +219,12 @@ void visit(Visitor& v, AssociationOptions& o) {
                          " given, allowed: at least association/gate_probability, " +
                          text_of(o.gate_probability));
   }
+  const bool by_gates = o.type == AssociationOptions::Type::kNearestNeighbor ||
+                        o.type == AssociationOptions::Type::kJointCompatibility;
+  if (by_gates && o.new_landmark_probability == 1.0) {
+    throw ParameterError(
+        "association/new_landmark_probability: 1 given, allowed: less than 1, or nothing is ever new");
+  }
   if (o.type == AssociationOptions::Type::kMultiHypothesis && o.new_landmark_density <= o.clutter_density) {
     throw ParameterError("association/new_landmark_density: " + text_of(o.new_landmark_density) +
                          " given, allowed: more than association/clutter_density, " +
@@ -235,8 +241,7 @@ void visit(Visitor& v, LifeCycleOptions& o) {
            "a provisional landmark not seen for so long is taken off");
   v.number("map/merge_distance", &o.merge_distance, 0.0, 1e3, "m",
            "landmarks nearer than this that may be one and are not seen together become one; 0: never");
-  v.number("map/merge_probability", &o.merge_probability, 1e-6, 1.0 - 1e-12, "-",
-           "of the gate for their difference");
+  v.number("map/merge_probability", &o.merge_probability, 1e-6, 1.0, "-", "of the gate for their difference");
   v.integer("map/remove_after_visits", &o.remove_after_visits, 0, 1000, "visits",
             "a landmark that so many visits in a row should have shown and did not is taken off; 0: never");
   v.number("map/field_of_view_deg", &o.field_of_view_deg, 1.0, 360.0, "deg",

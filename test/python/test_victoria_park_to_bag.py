@@ -47,7 +47,7 @@ class Converting(unittest.TestCase):
     def test_odometry_is_that_of_the_laser(self):
         _, found = self.messages()
         odometry = [m for topic, m, _ in found if topic == "/odom"]
-        self.assertEqual([m.header.stamp.to_nsec() // 10**6 for m in odometry], [0, 500, 1000, 1500, 2000])
+        self.assertEqual([m.header.stamp.to_nsec() // 10**6 for m in odometry], [1000, 1500, 2000, 2500, 3000], "the files count from zero, a bag cannot")
         self.assertEqual({(m.header.frame_id, m.child_frame_id) for m in odometry}, {("odom", "laser")})
         straight, curve = odometry[1], odometry[3]
         self.assertEqual((straight.twist.twist.linear.x, straight.twist.twist.linear.y), (1.0, 0.0))
@@ -76,7 +76,7 @@ class Converting(unittest.TestCase):
     def test_detections_stand_in_the_lasers_frame(self):
         _, found = self.messages()
         arrays = [m for topic, m, _ in found if topic == "/landmarks"]
-        self.assertEqual([m.header.stamp.to_nsec() // 10**6 for m in arrays], [300, 514])
+        self.assertEqual([m.header.stamp.to_nsec() // 10**6 for m in arrays], [1300, 1514])
         self.assertEqual({m.header.frame_id for m in arrays}, {"laser"})
         detections = [[(d.id, round(d.position.x, 9), round(d.position.y, 9), round(d.radius, 6))
                        for d in m.detections] for m in arrays]
@@ -132,6 +132,19 @@ class Converting(unittest.TestCase):
             support.assert_one_line_error(self, process, *expected)
             self.assertEqual(sorted(set(os.listdir(self.folder)) - set(FILES)), [])
             support.write(self.folder, name, FILES[name])
+
+    def test_a_file_that_is_no_bag_is_not_replaced(self):
+        process, path = self.convert("inputs.dat")
+        self.assertEqual(process.returncode, 2)
+        self.assertIn("exists and is no bag", process.stderr)
+        with open(path, encoding="utf-8") as file:
+            self.assertEqual(file.read(), INPUTS)
+
+    def test_times_that_no_bag_can_hold_are_refused(self):
+        for row in ("1e300 1.0 0.0", "1e9 1.0 0.0"):
+            support.write(self.folder, "inputs.dat", INPUTS + row + "\n")
+            process, path = self.convert()
+            self.assertEqual((process.returncode, process.stderr.count("\n"), os.path.exists(path)), (2, 1, False))
 
     def test_bad_arguments_are_one_line(self):
         missing = os.path.join(self.folder, "missing")
