@@ -80,8 +80,8 @@ TEST(Parameters, SayWhichValuesAreAllowed) {
             "input/max_linear_speed: '0' given, allowed: a number >= 1e-06");
   EXPECT_EQ(refusal("sync/queue_size=0"),
             "sync/queue_size: '0' given, allowed: a whole number from 1 to 100000");
-  EXPECT_EQ(refusal("association/gate_probability=1"),
-            "association/gate_probability: '1' given, allowed: a number from 1e-06 to 1");
+  EXPECT_EQ(refusal("association/gate_probability=1.5"),
+            "association/gate_probability: '1.5' given, allowed: a number from 1e-06 to 1");
   EXPECT_EQ(refusal("map/file_name=''"), "map/file_name: '\"\"' given, allowed: text, not empty");
   EXPECT_EQ(refusal("sensor/min_depth=5"),
             "sensor/min_depth: 5 given, allowed: at most sensor/max_depth, 2.6");
