@@ -109,7 +109,9 @@ void LifeCycle<Space>::count_misses(TimeNs stamp, const std::vector<Observation<
     const bool hidden = std::any_of(observations.begin(), observations.end(), [&](const auto& observation) {
       const typename Space::Point& other = observation.position_in_base;
       const typename Space::Point across = other - other.dot(point) / point.squaredNorm() * point;
-      return other.dot(point) > 0.0 && across.norm() < kBodyWidth;
+      const bool stands_behind =
+          other.norm() > point.norm() + kBodyWidth;  // nearer, it may be the landmark itself
+      return other.dot(point) > 0.0 && across.norm() < kBodyWidth && !stands_behind;
     });
     if (hidden) continue;
     Record& missed = record->second;
@@ -172,6 +174,8 @@ template <class Space>
 void LifeCycle<Space>::take_over(int dropped_id, int kept_id) {
   const auto dropped = records_.find(dropped_id);
   const auto kept = records_.find(kept_id);
+  const bool was_confirmed = dropped == records_.end() || dropped->second.confirmed;
+  if (kept != records_.end()) kept->second.confirmed = kept->second.confirmed || was_confirmed;
   if (dropped != records_.end() && kept != records_.end()) {
     kept->second.sightings += dropped->second.sightings;
     kept->second.last_seen = std::max(kept->second.last_seen, dropped->second.last_seen);

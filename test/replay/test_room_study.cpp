@@ -1,10 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <utility>
+#include <vector>
 
+#include "kinect_ekf_slam/pipeline/slam_pipeline.h"
 #include "kinect_ekf_slam/ros/parameters.h"
 #include "kinect_ekf_slam/ros/picture_detector.h"
+#include "kinect_ekf_slam/simulation/evaluation.h"
 #include "kinect_ekf_slam/study/room_study.h"
 
 namespace kinect_ekf_slam {
@@ -31,9 +36,67 @@ TEST(RoomStudy, TheDefaultsMapTheRoomToFiveCentimetres) {
 
 TEST(RoomStudy, EveryLandmarkIsFoundWithAPoorDetector) {
   const RoomSummary summary = study("room_hard.yaml", 50, {});
+  EXPECT_GE(summary.exact_count_share, 0.98);
+  EXPECT_EQ(summary.silent_failures, 0U);
   EXPECT_EQ(summary.missed.worst, 0.0);
   EXPECT_LE(summary.landmark_rmse_aligned.mean, 0.05);
   EXPECT_LE(summary.landmark_rmse_aligned.worst, 0.09);
+}
+
+/// What a burst of bad sightings does to one look.
+using Burst = std::function<void(double seconds, std::vector<Detection>* detections)>;
+
+struct BurstRun {
+  MapComparison map;
+  Eigen::Vector3d end_in_map;
+};
+
+BurstRun run_with(const Burst& burst, std::uint64_t seed) {
+  const auto folder = std::filesystem::path(__FILE__).parent_path() / "../../config/worlds";
+  const World world = read_world((folder / "room.yaml").string());
+  Simulator simulator(world, seed);
+  const auto pipeline = make_pipeline(read_run_options({}, {}, [](const std::string&) {}).pipeline);
+  SlamResult result;
+  while (!simulator.finished()) {
+    SensorFrame frame = to_sensor_frame(simulator.next(), world);
+    if (frame.detections) burst(to_seconds(frame.stamp), &*frame.detections);
+    result = pipeline->process(frame);
+  }
+  const Eigen::Isometry3d start_from_world = world.drive.world_from_start.to_3d().inverse();
+  Points<Planar> truth;
+  Points<Planar> estimate;
+  for (const WorldLandmark& landmark : world.landmarks) {
+    truth.push_back(Planar::from_3d(start_from_world * landmark.position_in_world));
+  }
+  for (const Landmark3d& landmark : pipeline->map()) {
+    if (landmark.confirmed) estimate.push_back(Planar::from_3d(landmark.position_in_map));
+  }
+  return {compare_maps<Planar>(truth, estimate), result.pose.map_from_base.translation()};
+}
+
+/// The bursts neither enter the map nor move the pose by more than the landmarks' own noise does.
+void expect_harmless(const Burst& burst) {
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
+    const BurstRun clean = run_with([](double, std::vector<Detection>*) {}, seed);
+    const BurstRun bad = run_with(burst, seed);
+    EXPECT_EQ(bad.map.estimated_landmarks, bad.map.true_landmarks) << seed;
+    EXPECT_EQ(bad.map.matched, bad.map.true_landmarks) << seed;
+    EXPECT_LE(bad.map.rmse_aligned, 0.05) << seed;
+    EXPECT_LE((bad.end_in_map - clean.end_in_map).norm(), 0.05) << seed;
+  }
+}
+
+TEST(RoomStudy, APersonWhoWalksByStaysOutOfTheMap) {
+  expect_harmless([](double seconds, std::vector<Detection>* detections) {
+    for (const double start : {10.0, 35.0, 70.0}) {
+      const double since = seconds - start;
+      if (since < 0.0 || since > 2.0) continue;
+      Detection person;
+      person.position_in_base = {1.6, 0.8 - 0.8 * since, 0.25};  // m; walks across the view
+      person.position_in_optical = {-person.position_in_base.y(), 0.0, 1.5};
+      detections->push_back(person);
+    }
+  });
 }
 
 TEST(RoomStudy, TheMapIsBetterThanDeadReckonings) {
