@@ -191,23 +191,6 @@ TEST(ManagedMap, MissesWhatItSeesThrough) {
   EXPECT_NEAR(keeper.map->landmarks()[0].position_in_map.x(), 2.0, 0.1);
 }
 
-/// Of two that become one the better supported stays, though the other one was confirmed first.
-TEST(ManagedMap, WhatWasBelievedStaysBelievedWhenItIsMerged) {
-  LifeCycleOptions options = careful();
-  options.merge_distance = 0.5;
-  const auto [confirmed, provisional] = std::pair<Eigen::Vector2d, Eigen::Vector2d>({1.0, 0.0}, {1.0, -0.3});
-  Keeper keeper(options);
-  keeper.look({confirmed});
-  keeper.move();
-  for (int i = 0; i < 2; ++i) keeper.look({confirmed - Eigen::Vector2d(0.0, 0.1)});
-  ASSERT_EQ(keeper.believed(), 1U);
-  keeper.look_in_vain(7);
-  EXPECT_EQ(keeper.believed(), 1U);
-  for (int i = 0; i < 4; ++i) keeper.look({provisional});
-  keeper.look_in_vain(8);
-  EXPECT_EQ(keeper.believed(), 1U) << "one landmark, and not forgotten";
-}
-
 TEST(ManagedMap, AFixedMapStaysAsItIs) {
   LifeCycleOptions options = careful();
   options.remove_after_visits = 1;
