@@ -20,6 +20,7 @@ constexpr int kLooksOfVisit = 3;              // fewer say nothing: one look is 
 constexpr int kSightingsPerVisit = 10;        // support that outweighs one visit in vain
 constexpr double kWellInside = 0.85;  // share of the view in which a landmark must be seen, if it is there
 constexpr double kBodyWidth = 0.3;    // m; what stands nearer in the same direction hides what is behind
+constexpr double kBodyDepth = 0.1;    // m; what stands nearer by less than this stands beside it
 
 }  // namespace
 
@@ -55,6 +56,7 @@ void LifeCycle<Space>::count_sightings(TimeNs stamp, KalmanSlam<Space>* filter, 
     const int id = assignment.landmark;
     if (assignment.verdict == Verdict::kCreated) {
       records_[id] = Record{};  // one that is placed anew keeps its id, not its record
+      records_[id].first_seen = stamp;
       records_[id].first_seen_from = pose;
       filter->set_confirmed(id, false);
     }
@@ -74,10 +76,12 @@ void LifeCycle<Space>::count_sightings(TimeNs stamp, KalmanSlam<Space>* filter, 
 template <class Space>
 bool LifeCycle<Space>::deserves_belief(const Record& record,
                                        const typename Space::Pose& map_from_base) const {
+  if (options_.confirm_sightings <= 1) return true;
   if (record.sightings < options_.confirm_sightings) return false;
   if (record.sightings < kLeastDetectionRate * (record.sightings + record.misses)) return false;
+  if (to_seconds(record.last_seen - record.first_seen) < options_.confirm_time) return false;
   const typename Space::PoseVector motion = (record.first_seen_from.inverse() * map_from_base).log();
-  return motion.norm() >= options_.confirm_motion || options_.confirm_sightings <= 1;
+  return motion.norm() >= options_.confirm_motion;
 }
 
 template <class Space>
@@ -90,6 +94,23 @@ bool LifeCycle<Space>::is_in_view(const typename Space::Point& point_in_base) co
   return range > kBodyWidth && range < kWellInside * options_.view_range &&
          is_within(std::atan2(point.y(), point.x()), options_.field_of_view_deg) &&
          is_within(std::asin(point.z() / range), options_.vertical_field_of_view_deg);
+}
+
+/// A landmark may be hidden by what stands nearer in its direction, and by a refused sighting at about its
+/// range, for that may be the landmark itself.
+template <class Space>
+bool LifeCycle<Space>::is_hidden(const typename Space::Point& point_in_base,
+                                 const std::vector<Observation<Space>>& observations,
+                                 const std::vector<Assignment>& assignments) const {
+  const double range = point_in_base.norm();
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const typename Space::Point& other = observations[i].position_in_base;
+    const double along = other.dot(point_in_base) / range;
+    const double across = (other - along / range * point_in_base).norm();
+    const double farthest = range + (is_accepted(assignments[i].verdict) ? -kBodyDepth : kBodyWidth);
+    if (along > 0.0 && along < farthest && across < kBodyWidth) return true;
+  }
+  return false;
 }
 
 /// A landmark well inside the view that nothing hides should have been seen.
@@ -105,15 +126,7 @@ void LifeCycle<Space>::count_misses(TimeNs stamp, const std::vector<Observation<
     const auto record = records_.find(expected.info(i).id);
     if (record == records_.end() || seen.count(record->first) > 0) continue;
     const typename Space::Point point = expected.point_in_base(i);
-    if (!is_in_view(point)) continue;
-    const bool hidden = std::any_of(observations.begin(), observations.end(), [&](const auto& observation) {
-      const typename Space::Point& other = observation.position_in_base;
-      const typename Space::Point across = other - other.dot(point) / point.squaredNorm() * point;
-      const bool stands_behind =
-          other.norm() > point.norm() + kBodyWidth;  // nearer, it may be the landmark itself
-      return other.dot(point) > 0.0 && across.norm() < kBodyWidth && !stands_behind;
-    });
-    if (hidden) continue;
+    if (!is_in_view(point) || is_hidden(point, observations, report.assignments)) continue;
     Record& missed = record->second;
     if (to_seconds(stamp - missed.last_missed) > kVisitsApart) missed.misses_of_visit = 0;
     missed.last_missed = stamp;

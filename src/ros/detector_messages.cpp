@@ -1,10 +1,17 @@
 #include "kinect_ekf_slam/ros/detector_messages.h"
 
+#include <cmath>
+#include <stdexcept>
+
 #include "kinect_ekf_slam/ros/conversions.h"
 
 namespace kinect_ekf_slam {
 
 LaserScan to_scan(const sensor_msgs::LaserScan& message) {
+  if (!std::isfinite(message.angle_min) || !std::isfinite(message.angle_increment) ||
+      message.angle_increment == 0.0F) {
+    throw std::runtime_error("the scan's angles are no numbers");
+  }
   LaserScan scan;
   scan.ranges = message.ranges;
   scan.angle_min = message.angle_min;

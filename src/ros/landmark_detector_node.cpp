@@ -132,13 +132,7 @@ void LandmarkDetectorNode::on_colour_picture(const sensor_msgs::ImageConstPtr& c
 }
 
 void LandmarkDetectorNode::on_scan(const sensor_msgs::LaserScanConstPtr& scan) {
-  process(scan->header, [&] {
-    if (!std::isfinite(scan->angle_min) || !std::isfinite(scan->angle_increment) ||
-        scan->angle_increment == 0.0F) {
-      throw std::runtime_error("the scan's angles are no numbers");
-    }
-    return find_cylinders(to_scan(*scan), options_.laser_cylinder);
-  });
+  process(scan->header, [&] { return find_cylinders(to_scan(*scan), options_.laser_cylinder); });
 }
 
 void LandmarkDetectorNode::publish_debug(const std_msgs::Header& header, const cv::Mat& colour,

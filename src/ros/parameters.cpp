@@ -237,6 +237,8 @@ void visit(Visitor& v, LifeCycleOptions& o) {
             "a new landmark is provisional until so many agree; 1: never");
   v.number("map/confirm_motion", &o.confirm_motion, 0.0, 1e3, "m or rad",
            "that the robot has moved since the first of them");
+  v.number("map/confirm_time", &o.confirm_time, 0.0, 1e3, "s",
+           "that lie between the first of them and the last: an error that lasts a moment is no landmark");
   v.number("map/forget_after", &o.forget_after, 0.0, kInfinity, "s",
            "a provisional landmark not seen for so long is taken off");
   v.number("map/merge_distance", &o.merge_distance, 0.0, 1e3, "m",

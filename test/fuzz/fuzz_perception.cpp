@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "kinect_ekf_slam/core/random_stream.h"
+#include "kinect_ekf_slam/ros/detector_messages.h"
 #include "kinect_ekf_slam/ros/picture_detector.h"
 #include "kinect_ekf_slam/ros/picture_messages.h"
 
@@ -178,6 +179,69 @@ TEST_P(DamagedMessages, AreRefusedWithAReasonOrGiveFiniteFindings) {
 INSTANTIATE_TEST_SUITE_P(EveryDetector, DamagedMessages,
                          ::testing::Values(DetectorType::kKinectCylinder, DetectorType::kAruco,
                                            DetectorType::kFeatures));
+
+/// A cylinder before a wall.
+sensor_msgs::LaserScan sound_scan(RandomStream* random) {
+  constexpr int kRays = 360;
+  sensor_msgs::LaserScan scan;
+  scan.angle_min = -1.57F;
+  scan.angle_increment = 3.14F / kRays;
+  scan.range_min = 0.1F;
+  scan.range_max = 5.0F;
+  for (int ray = 0; ray < kRays; ++ray) {
+    const double angle = scan.angle_min + ray * scan.angle_increment;
+    const double across = 1.5 * std::sin(angle);  // m, of the ray from an axis 1.5 m ahead
+    const double radius = 0.12;
+    const bool meets = std::abs(across) < radius;
+    const double range = meets ? 1.5 * std::cos(angle) - std::sqrt(radius * radius - across * across) : 3.0;
+    scan.ranges.push_back(static_cast<float>(range + random->normal() * 0.003));
+  }
+  return scan;
+}
+
+void damage(RandomStream* random, sensor_msgs::LaserScan* scan) {
+  float* const numbers[] = {&scan->angle_min, &scan->angle_increment, &scan->range_min, &scan->range_max};
+  switch (random->index(4)) {
+    case 0:
+      *numbers[random->index(std::size(numbers))] = static_cast<float>(any_number(random));
+      break;
+    case 1:
+      scan->ranges.resize(random->index(2 * scan->ranges.size() + 1));
+      break;
+    case 2:
+      for (float& range : scan->ranges) {
+        if (random->chance(0.2)) range = static_cast<float>(any_number(random));
+      }
+      break;
+    default:
+      scan->ranges.assign(scan->ranges.size(), static_cast<float>(any_number(random)));
+      break;
+  }
+}
+
+TEST(DamagedScans, AreRefusedWithAReasonOrGiveFiniteFindings) {
+  constexpr int kScans = 10000;
+  std::size_t found = 0;
+  int refused = 0;
+  for (int i = 0; i < kScans; ++i) {
+    RandomStream random(static_cast<std::uint64_t>(i), 0);
+    sensor_msgs::LaserScan scan = sound_scan(&random);
+    for (std::size_t times = random.index(4); times > 0; --times) damage(&random, &scan);
+    try {
+      const Findings findings = find_cylinders(to_scan(scan), LaserCylinderOptions());
+      for (const Finding& finding : findings.found) {
+        EXPECT_TRUE(finding.position.allFinite()) << i;
+        EXPECT_TRUE(finding.covariance.allFinite()) << i;
+      }
+      found += findings.found.size();
+    } catch (const std::runtime_error& reason) {
+      EXPECT_FALSE(std::string(reason.what()).empty()) << i;
+      ++refused;
+    }
+  }
+  EXPECT_GT(found, kScans / 10U);
+  EXPECT_GT(refused, kScans / 100);
+}
 
 }  // namespace
 }  // namespace kinect_ekf_slam

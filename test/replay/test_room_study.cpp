@@ -99,6 +99,32 @@ TEST(RoomStudy, APersonWhoWalksByStaysOutOfTheMap) {
   });
 }
 
+TEST(RoomStudy, AReflectionThatLastsDoesNotBendTheMap) {
+  expect_harmless([](double seconds, std::vector<Detection>* detections) {
+    for (const double start : {12.0, 40.0, 75.0}) {
+      if (seconds < start || seconds > start + 1.0) continue;
+      for (Detection& detection : *detections) {
+        const Eigen::Vector3d away = 0.5 * detection.position_in_base.normalized();  // m; all too far
+        detection.position_in_base += away;
+        detection.position_in_optical.z() += away.norm();
+      }
+    }
+  });
+}
+
+TEST(RoomStudy, ADetectorThatNowAndThenSeesTwoWhereThereIsOneMapsOne) {
+  int look = 0;
+  expect_harmless([&look](double, std::vector<Detection>* detections) {
+    if (++look % 10 != 0) return;
+    const std::vector<Detection> seen = *detections;
+    for (Detection twin : seen) {
+      twin.position_in_base.y() += 0.15;  // m
+      twin.position_in_optical.x() -= 0.15;
+      detections->push_back(twin);
+    }
+  });
+}
+
 TEST(RoomStudy, TheMapIsBetterThanDeadReckonings) {
   const RoomSummary slam = study("room.yaml", 20, {});
   const RoomSummary open_loop = study("room.yaml", 20, {"estimator/type=dead_reckoning"});

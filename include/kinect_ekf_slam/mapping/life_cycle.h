@@ -31,6 +31,7 @@ class LifeCycle {
  private:
   struct Record {
     typename Space::Pose first_seen_from;
+    TimeNs first_seen = 0;
     bool confirmed = false;
     TimeNs last_seen = 0;
     int sightings = 0;
@@ -50,6 +51,9 @@ class LifeCycle {
   void merge_duplicates(KalmanSlam<Space>* filter, UpdateReport* report);
   void take_over_company(int dropped, int kept);
   bool is_in_view(const typename Space::Point& point_in_base) const;
+  bool is_hidden(const typename Space::Point& point_in_base,
+                 const std::vector<Observation<Space>>& observations,
+                 const std::vector<Assignment>& assignments) const;
   bool deserves_belief(const Record& record, const typename Space::Pose& map_from_base) const;
 
   LifeCycleOptions options_;

@@ -9,6 +9,8 @@ struct LifeCycleOptions {
   /// m or rad that the robot has moved or turned since a landmark's first sighting before it is confirmed: an
   /// error that stands still before a robot that stands still must not become a landmark.
   double confirm_motion = 0.05;
+  double confirm_time =
+      0.0;  ///< s from its first sighting to its last before it is confirmed: a burst is over sooner
   double forget_after = 6.0;  ///< s that a provisional landmark may be unseen
   /// m; nearer ones that may be one, and are not seen together, become one; 0: never.
   double merge_distance = 0.0;

@@ -66,6 +66,16 @@ TEST(ManagedMap, ALandmarkIsProvisionalUntilSightingsAndMotionAgree) {
   EXPECT_EQ(moving.look({{1.0, -0.1}}).confirmed.size(), 1U);
 }
 
+TEST(ManagedMap, ABurstOfErrorsIsNoLandmark) {
+  LifeCycleOptions options = careful();
+  options.confirm_time = 5.0;  // s; a look each second
+  Keeper keeper(options);
+  keeper.look({{1.0, 0.0}});
+  keeper.move();
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(keeper.look({{1.0, -0.1}}).confirmed.empty());
+  EXPECT_EQ(keeper.look({{1.0, -0.1}}).confirmed.size(), 1U);
+}
+
 TEST(ManagedMap, ByDefaultALandmarkIsBelievedInAtOnce) {
   Keeper keeper((LifeCycleOptions()));
   keeper.look({{1.0, 0.0}});
