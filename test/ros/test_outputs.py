@@ -132,7 +132,7 @@ class Map(SlamCase):
         run.drive(0.2)
         wait_until(lambda: statuses(run) == {Landmark.PROVISIONAL}, "all landmarks are provisional")
         self.assertEqual(run.saved_map()["landmarks"], [])
-        run.drive(1.5)
+        run.drive(2.5)
         wait_until(lambda: statuses(run) == {Landmark.CONFIRMED}, "all landmarks are confirmed")
         self.assertEqual(len(run.saved_map()["landmarks"]), 4)
 
