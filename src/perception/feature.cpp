@@ -15,10 +15,22 @@ Region region_of(const cv::KeyPoint& point) {
   return {cvRound(point.pt.x - 0.5F * size), cvRound(point.pt.y - 0.5F * size), cvRound(size), cvRound(size)};
 }
 
-std::vector<float> to_floats(const cv::Mat& row) {
-  cv::Mat floats;
-  row.convertTo(floats, CV_32F);
-  return {floats.begin<float>(), floats.end<float>()};
+/// Bits as zeros and ones, vectors as they are, scaled so that those of unrelated spots are about 1 apart:
+/// half of their bits differ.
+std::vector<float> to_message_descriptor(const cv::Mat& row) {
+  constexpr int kBits = 8;
+  if (row.depth() != CV_8U) {
+    const cv::Mat unit = row / std::max(cv::norm(row), 1e-6);
+    return {unit.begin<float>(), unit.end<float>()};
+  }
+  std::vector<float> bits;
+  const float one = std::sqrt(2.0F / static_cast<float>(kBits * row.cols));
+  for (int column = 0; column < row.cols; ++column) {
+    for (int bit = 0; bit < kBits; ++bit) {
+      bits.push_back((row.at<std::uint8_t>(0, column) >> bit) % 2 == 0 ? 0.0F : one);
+    }
+  }
+  return bits;
 }
 
 }  // namespace
@@ -212,7 +224,7 @@ void FeatureDetector::report(const View& view, Findings* findings) const {
         feature.place->covariance + options_.noise.camera_covariance(finding.position);
     finding.covariance = 0.5 * (covariance + covariance.transpose());
     finding.signature.source_id = feature.track;
-    finding.signature.descriptor = to_floats(view.keypoints.descriptors.row(static_cast<int>(i)));
+    finding.signature.descriptor = to_message_descriptor(view.keypoints.descriptors.row(static_cast<int>(i)));
     finding.score = 1.0 - 1.0 / feature.sightings;
     finding.region = region_of(point);
     findings->found.push_back(std::move(finding));

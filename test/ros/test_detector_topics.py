@@ -116,7 +116,7 @@ class Features(PictureCase):
         for track in common:
             self.assertGreaterEqual(track, 0)
             self.assertAlmostEqual(now[track].position.z, self.DISTANCE, delta=0.02)
-            self.assertEqual(len(now[track].descriptor), 32)
+            self.assertEqual(len(now[track].descriptor), 256)
         moved = [(now[track].position.x - before[track].position.x) * FOCAL_LENGTH / self.DISTANCE for track in common]
         self.assertAlmostEqual(np.mean(moved), -self.SHIFT, delta=1.0)
         self.assertLess(np.abs(np.array(moved) + self.SHIFT).max(), 6.0, "no track jumps")

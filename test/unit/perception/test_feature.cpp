@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <map>
+#include <opencv2/core.hpp>
 
 #include "kinect_ekf_slam/core/angles.h"
 #include "test/support/matchers.h"
@@ -78,7 +79,7 @@ TEST(Feature, ATrackIsOnePlaceAndItsCovarianceHonest) {
     const Eigen::Isometry3d world_from_optical = camera(0.03 * i, 0.01 * i);
     for (const Finding& finding : walk.look(world_from_optical).found) {
       EXPECT_TRUE(testing::IsCovariance(finding.covariance));
-      EXPECT_EQ(finding.signature.descriptor.size(), 32U);
+      EXPECT_EQ(finding.signature.descriptor.size(), 256U);
       const Eigen::Vector3d place = world_from_optical * finding.position;
       const auto [known, is_new] = place_of_track.emplace(finding.signature.source_id, place);
       if (is_new) continue;
@@ -93,6 +94,38 @@ TEST(Feature, ATrackIsOnePlaceAndItsCovarianceHonest) {
   EXPECT_LT(elsewhere, 0.01 * again);
   EXPECT_LT(nees / again, 3.5);
   EXPECT_GT(again, 3 * static_cast<int>(place_of_track.size())) << "tracks are long";
+}
+
+/// Mean length of the difference of the descriptors, of two sightings of one track or of different ones.
+double descriptor_difference(const Findings& before, const Findings& now, bool of_one_track) {
+  double sum = 0.0;
+  int pairs = 0;
+  for (const Finding& one : before.found) {
+    for (const Finding& other : now.found) {
+      if ((one.signature.source_id == other.signature.source_id) != of_one_track) continue;
+      sum += cv::norm(one.signature.descriptor, other.signature.descriptor);
+      ++pairs;
+    }
+  }
+  EXPECT_GT(pairs, 10);
+  return sum / pairs;
+}
+
+/// So that one `association/descriptor_sigma` serves all types.
+TEST(Feature, DescriptorsOfUnrelatedSpotsAreAboutOneApart) {
+  for (const KeypointType type :
+       {KeypointType::kHarris, KeypointType::kSift, KeypointType::kOrb, KeypointType::kAkaze}) {
+    SCOPED_TRACE(static_cast<int>(type));
+    FeatureOptions options;
+    options.keypoints.type = type;
+    options.most = 100;
+    Walk walk(options);
+    for (int i = 0; i < 4; ++i) walk.look(camera(0.03 * i));
+    const Findings before = walk.look(camera(0.12));
+    const Findings now = walk.look(camera(0.15));
+    EXPECT_NEAR(descriptor_difference(before, now, false), 1.0, 0.1);
+    EXPECT_LT(descriptor_difference(before, now, true), 0.5);
+  }
 }
 
 TEST(Feature, WhereDepthIsMissingTwoViewsTellIt) {
