@@ -37,7 +37,7 @@ from slam_tools.bags import TRUE_LANDMARKS_TOPIC, TRUE_POSE_TOPIC, BagWriter, ti
 from slam_tools.environment import package_messages
 from slam_tools.geometry import integrate_arcs, quaternion_from_yaw
 from slam_tools.recordings import (OUT_OF_PLANE_STD, keep_last_of_repeated_stamps, nanoseconds,
-                                   odometry_messages, read_rows, true_pose_messages)
+                                   odometry_messages, read_rows, true_pose_messages, whole_numbers)
 
 ROBOT_SUBJECTS = range(1, 6)
 LONGEST_GAP = 50_000_000      # ns, between odometry samples
@@ -123,6 +123,29 @@ def true_landmark_map(rows, stamp, messages):
     return message
 
 
+def read_measurements(folder, name):
+    """(rows of time, barcode, range, bearing; the barcodes as whole numbers)."""
+    rows = read_rows(folder, name, ("time", "barcode", "range", "bearing"))
+    if (rows[:, 2] < 0.0).any():
+        row = int((rows[:, 2] < 0.0).argmax())
+        raise cli.InputError(f"{os.path.join(folder, name)}: row {row + 1} of numbers: range is {rows[row, 2]:g} m; "
+                             "0 or more is needed")
+    return rows, whole_numbers(folder, name, "barcode", rows[:, 1])
+
+
+def read_barcodes(folder):
+    """{barcode: subject}."""
+    name = "Barcodes.dat"
+    rows = read_rows(folder, name, ("subject", "barcode"), ordered_by_time=False)
+    subject_of_barcode = {}
+    for subject, barcode in zip(whole_numbers(folder, name, "subject", rows[:, 0]).tolist(),
+                                whole_numbers(folder, name, "barcode", rows[:, 1]).tolist()):
+        if subject_of_barcode.setdefault(barcode, subject) != subject:
+            raise cli.InputError(f"{os.path.join(folder, name)}: barcode {barcode} is that of subjects "
+                                 f"{subject_of_barcode[barcode]} and {subject}; each subject needs one of its own")
+    return subject_of_barcode
+
+
 def convert(folder, robot, bag_path, wrong_identities=0.0, seed=1):
     """Writes the bag; wrong_identities: share of the landmarks' detections with the identity of another."""
     messages = package_messages()
@@ -130,25 +153,25 @@ def convert(folder, robot, bag_path, wrong_identities=0.0, seed=1):
     if not os.path.isdir(folder):
         raise cli.InputError(f"{folder}: no such folder; one with Robot{robot}_Odometry.dat is needed")
     rows = read_rows(folder, f"Robot{robot}_Odometry.dat", ("time", "speed", "turn_rate"))
-    measurements = read_rows(folder, f"Robot{robot}_Measurement.dat", ("time", "barcode", "range", "bearing"))
+    measurements, read_codes = read_measurements(folder, f"Robot{robot}_Measurement.dat")
     true_poses = np.empty((0, 4))
     if os.path.exists(os.path.join(folder, f"Robot{robot}_Groundtruth.dat")):
         true_poses = read_rows(folder, f"Robot{robot}_Groundtruth.dat", ("time", "x", "y", "yaw"))
-    barcodes = read_rows(folder, "Barcodes.dat", ("subject", "barcode"), ordered_by_time=False)
+    subject_of_barcode = read_barcodes(folder)
     true_landmarks = read_rows(folder, "Landmark_Groundtruth.dat", ("subject", "x", "y", "std_x", "std_y"),
                                ordered_by_time=False)
+    landmark_subjects = whole_numbers(folder, "Landmark_Groundtruth.dat", "subject", true_landmarks[:, 0])
 
     repeated = len(rows)
     rows = keep_last_of_repeated_stamps(rows)
     repeated -= len(rows)
-    subject_of_barcode = {int(barcode): int(subject) for subject, barcode in barcodes}
-    subjects = np.array([subject_of_barcode.get(int(barcode), -1) for barcode in measurements[:, 1]])
+    subjects = np.array([subject_of_barcode.get(barcode, -1) for barcode in read_codes.tolist()])
     robots = int(np.isin(subjects, ROBOT_SUBJECTS).sum())
     read = subjects
     if wrong_identities > 0.0:
         if len(true_landmarks) < 2:
             raise cli.InputError(f"{folder}: has one landmark; --wrong-identities needs another to mistake it for")
-        read = misread(subjects, true_landmarks[:, 0].astype(int), wrong_identities, seed)
+        read = misread(subjects, landmark_subjects, wrong_identities, seed)
 
     start = int(min(nanoseconds(table[0, 0]) for table in (rows, measurements, true_poses) if len(table)))
     streams = heapq.merge(odometry(rows), detection_messages(measurements, read, messages),

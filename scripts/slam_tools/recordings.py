@@ -17,6 +17,7 @@ START_STD, DRIFT, OUT_OF_PLANE_STD = 0.01, 0.05, 0.001   # m or rad, -, and m, r
 
 LARGEST = 4e9         # what a bag's stamps can hold in seconds, and more than any number of a dataset
 LONGEST_GAP = 86400   # s
+LARGEST_IDENTITY = 2**31 - 1   # in a message
 
 
 def read_rows(folder, name, columns, ordered_by_time=True):
@@ -32,6 +33,16 @@ def read_rows(folder, name, columns, ordered_by_time=True):
         start = rows[np.diff(rows[:, 0]).argmax(), 0]
         raise InputError(f"{path}: nothing for more than a day after time {start:.3f}; is the next time right?")
     return rows
+
+
+def whole_numbers(folder, name, column, values):
+    """A column of one of the dataset's files as the whole numbers that a message can hold."""
+    bad = (values != np.rint(values)) | (np.abs(values) > LARGEST_IDENTITY)
+    if bad.any():
+        row = int(bad.argmax())
+        raise InputError(f"{os.path.join(folder, name)}: row {row + 1} of numbers: {column} is {values[row]:.10g}; "
+                         f"a whole number of at most {LARGEST_IDENTITY} in size is needed")
+    return values.astype(int)
 
 
 def nanoseconds(seconds):

@@ -140,7 +140,15 @@ class Converting(unittest.TestCase):
             ("Robot3_Odometry.dat", "", ("Robot3_Odometry.dat", "empty")),
             ("Robot3_Measurement.dat", "10.0 5 1.0\n", ("Robot3_Measurement.dat:1", "barcode")),
             ("Robot3_Measurement.dat", None, ("Robot3_Measurement.dat", "no such file")),
+            ("Robot3_Measurement.dat", "10.0 45 2.0 0.0\n10.1 45 -1.5 0.0\n",
+             ("Robot3_Measurement.dat", "row 2", "range is -1.5 m", "0 or more")),
+            ("Robot3_Measurement.dat", "10.0 4.5 2.0 0.0\n", ("Robot3_Measurement.dat", "barcode is 4.5", "whole")),
             ("Barcodes.dat", "6\n", ("Barcodes.dat:1", "subject barcode")),
+            ("Barcodes.dat", "6 45\n7 90\n8 45\n", ("Barcodes.dat", "barcode 45", "subjects 6 and 8")),
+            ("Barcodes.dat", "6 45\n3000000000 90\n",
+             ("Barcodes.dat", "row 2", "subject is 3000000000", "2147483647")),
+            ("Barcodes.dat", "6 45\n7 3000000000\n", ("Barcodes.dat", "row 2", "barcode is 3000000000")),
+            ("Landmark_Groundtruth.dat", "-3000000000 0 0 0 0\n", ("Landmark_Groundtruth.dat", "subject is -3000000000")),
         ]
         for name, text, expected in cases:
             path = os.path.join(self.folder, name)
