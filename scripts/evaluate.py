@@ -12,7 +12,9 @@ if __name__ == "__main__":
     use_system_python()
 
 from slam_tools import cli
-from slam_tools.evaluation import evaluate, read_estimate, read_truth, table, write_metrics
+from slam_tools.evaluation import evaluate, read_truth
+from slam_tools.metrics import definitions, table, write_metrics
+from slam_tools.runs import read_estimate
 
 DEFINITIONS = """\
 truth
@@ -42,33 +44,11 @@ landmarks
   that brings most of them together), again after the alignment by the pairs, until the pairs stay.
 
 evaluation.json, null where unknown
-  ate_rmse_m, ate_rmse_start_m               root mean square of the position error of the path
-  path_error_median_m, path_error_p95_m      median and 95th percentile of the same
-  dead_reckoning_ate_rmse_m                  the same of dead_reckoning.tum
-  heading_rmse_deg                           root mean square of the yaw error
-  landmark_rmse_m, landmark_max_m,           position error of the matched landmarks
-  landmark_rmse_start_m
-  landmarks_estimated, landmarks_true        counts
-  landmarks_missed, landmarks_spurious       true ones without an estimate, estimates without a true one
-  association_accuracy                       of the accepted detections with a source_id, the share whose
-                                             landmark matches the true landmark of that identity; with a
-                                             landmark that is no longer in the map, or spurious, it is wrong
-  association_accuracy_instant               the same as told at once (associations_instant.csv), before later
-                                             sightings changed it
-  pose_nees_mean, pose_nees_start_mean       mean of e^T P^-1 e, with 3 degrees of freedom (x, y, yaw) in the
-                                             plane and 6 in space; a consistent estimate has the degrees of
-                                             freedom for mean. Poses with a singular covariance are skipped.
-                                             The covariance is relative to the start, so pose_nees_start_mean
-                                             is the one to judge by
-  path_length_m, duration_s                  of the true path where it was compared; of the estimated path
-                                             where the truth is positions only (their noise lengthens it) or
-                                             not there
-  align                                      none, se2, se3 or robust
 """
 
 
 def main():
-    parser = cli.ArgumentParser(description=__doc__, epilog=DEFINITIONS)
+    parser = cli.ArgumentParser(description=__doc__, epilog=DEFINITIONS + definitions())
     parser.add_argument("folder", metavar="DIR",
                         help="folder that slam_replay wrote; gets evaluation.json and evaluation.png")
     parser.add_argument("--truth", metavar="BAG", required=True, help="bag with the ground truth")

@@ -87,7 +87,7 @@ def identities(bag_path):
 
 def count_caught(directory, wrong):
     """How many of the wrong detections, {(stamp in ns, index)}, were not accepted at the end."""
-    from slam_tools.evaluation import ACCEPTED, ASSOCIATION_COLUMNS
+    from slam_tools.runs import ACCEPTED, ASSOCIATION_COLUMNS
     from slam_tools.tables import read_csv
     rows = read_csv(os.path.join(directory, "associations.csv"), ASSOCIATION_COLUMNS, ("detection",))
     accepted = {(int(row["t"].replace(".", "")), int(row["detection"])) for row in rows if row["verdict"] in ACCEPTED}

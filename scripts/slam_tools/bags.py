@@ -11,6 +11,7 @@ import rosbag
 
 from .cli import InputError, atomic_output
 from .geometry import Path, enu_from_geodetic
+from .tables import LARGEST
 
 TRUE_POSE_TOPIC = "/ground_truth/pose"
 TRUE_LANDMARKS_TOPIC = "/ground_truth/landmarks"
@@ -60,7 +61,7 @@ def read_true_path(path, bag):
              for p, q in [(message.pose.position, message.pose.orientation)]]
     if poses:
         poses = np.array(poses)
-        _require_finite(path, TRUE_POSE_TOPIC, poses)
+        _require_usable(path, TRUE_POSE_TOPIC, poses)
         norms = np.linalg.norm(poses[:, 4:], axis=1, keepdims=True)
         quaternions = poses[:, 4:] / norms if (norms > 0.5).all() else None
         return Path.in_time_order(poses[:, 0], poses[:, 1:4], quaternions)
@@ -69,7 +70,7 @@ def read_true_path(path, bag):
                           for _, fix, _ in bag.read_messages(topic) if fix.status.status >= 0])
         if len(fixes):
             fixes[:, 3] = np.nan_to_num(fixes[:, 3])   # a receiver without altitude says NaN
-            _require_finite(path, topic, fixes)
+            _require_usable(path, topic, fixes)
             return Path.in_time_order(fixes[:, 0], enu_from_geodetic(*fixes[:, 1:].T), None)
     return None
 
@@ -83,7 +84,7 @@ def read_true_landmarks(path, bag):
         return None
     landmarks = message.landmarks
     positions = np.array([[l.position.x, l.position.y, l.position.z] for l in landmarks]).reshape(-1, 3)
-    _require_finite(path, TRUE_LANDMARKS_TOPIC, positions)
+    _require_usable(path, TRUE_LANDMARKS_TOPIC, positions)
     return Landmarks(
         ids=np.array([l.id for l in landmarks], dtype=int),
         identities=np.array([l.source_id if l.source_id >= 0 else l.id for l in landmarks], dtype=int),
@@ -93,11 +94,12 @@ def read_true_landmarks(path, bag):
         observations=np.array([l.observations for l in landmarks], dtype=int))
 
 
-def _require_finite(path, topic, rows):
-    bad = ~np.isfinite(rows).all(axis=1)
-    if bad.any():
-        raise InputError(f"{path}: entry {int(np.argmax(bad)) + 1} of {topic} is not finite; "
-                         "finite numbers are needed")
+def _require_usable(path, topic, rows):
+    for wrong, what in ((~np.isfinite(rows), "is not finite; finite numbers are needed"),
+                        (np.abs(rows) > LARGEST, f"has a number beyond {LARGEST:g} in size; metres are needed")):
+        bad = wrong.any(axis=1)
+        if bad.any():
+            raise InputError(f"{path}: entry {int(np.argmax(bad)) + 1} of {topic} {what}")
 
 
 class BagWriter:

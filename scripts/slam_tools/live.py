@@ -13,7 +13,7 @@ from kinect_ekf_slam.msg import AssociationArray, LandmarkMap
 from nav_msgs.msg import Odometry
 
 from .cli import InputError, atomic_output
-from .evaluation import ASSOCIATION_COLUMNS, COVARIANCE_COLUMNS, LANDMARK_COLUMNS
+from .runs import ASSOCIATION_COLUMNS, COVARIANCE_COLUMNS, LANDMARK_COLUMNS
 
 TIME_JUMP = 1.0    # s back that make a new run, as sync/time_jump of slam_node
 QUEUE = 1000       # messages

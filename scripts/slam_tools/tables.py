@@ -6,6 +6,8 @@ import numpy as np
 
 from .cli import InputError
 
+LARGEST = 1e12   # in size: more than any number of a run, and few enough digits to calculate with
+
 
 def read_numbers(path, columns, separator=None, header=False, ordered_by_time=False):
     """The numbers of a text file as an array with one row per line.
@@ -20,7 +22,7 @@ def read_numbers(path, columns, separator=None, header=False, ordered_by_time=Fa
                 _check_header(path, file.readline().rstrip("\r\n").split(separator), columns)
             rows = [line for line in file if not line.isspace() and not line.lstrip().startswith("#")]
         table = np.loadtxt(rows, delimiter=separator, ndmin=2) if rows else np.empty((0, len(columns)))
-        damaged = table.shape[1] != len(columns) or not np.isfinite(table).all()
+        damaged = table.shape[1] != len(columns) or not (np.abs(table) <= LARGEST).all()
     except ValueError:
         damaged = True
     if damaged:
@@ -56,6 +58,9 @@ def read_csv(path, columns, numeric):
                 except ValueError:
                     raise InputError(f"{path}:{reader.line_num}: {name} is '{row[name]}'; "
                                      "a number is needed") from None
+                if abs(row[name]) > LARGEST:
+                    raise InputError(f"{path}:{reader.line_num}: {name} is {row[name]:g}; "
+                                     f"a number of at most {LARGEST:g} in size is needed")
             row["line"] = reader.line_num
             rows.append(row)
     return rows
@@ -90,11 +95,11 @@ def _line_of_row(path, row, header):
 
 
 def _first_damage(path, columns, separator, header):
-    needed = f"{len(columns)} finite numbers are needed: {' '.join(columns)}"
+    needed = f"{len(columns)} finite numbers, at most {LARGEST:g} in size, are needed: {' '.join(columns)}"
     for number, line in _data_lines(path, header):
         fields = line.split("#")[0].split(separator)
         try:
-            if len(fields) != len(columns) or not np.isfinite([float(field) for field in fields]).all():
+            if len(fields) != len(columns) or not (np.abs([float(field) for field in fields]) <= LARGEST).all():
                 raise ValueError
         except ValueError:
             shown = line.strip()

@@ -8,9 +8,10 @@ import support
 import numpy as np
 
 from slam_tools.bags import BagWriter, Landmarks, fill_pose, time_from_nanoseconds
-from slam_tools.evaluation import (Associations, association_accuracy, majority_identities, match_landmarks,
-                                   nees)
+from slam_tools.evaluation import nees
 from slam_tools.geometry import RigidTransform, align, quaternion_from_yaw
+from slam_tools.landmark_matching import association_accuracy, match_landmarks
+from slam_tools.runs import Associations, majority_identities
 
 COVARIANCE_HEADER = ("t,cxx,cxy,cxz,cxr,cxp,cxw,cyy,cyz,cyr,cyp,cyw,czz,czr,czp,czw,"
                      "crr,crp,crw,cpp,cpw,cww\n")
@@ -153,7 +154,9 @@ class EndToEnd(unittest.TestCase):
         self.write_truth()
         self.write_estimate()
 
-    def write_truth(self, with_path=True, with_landmarks=True, fix_only=False, positions_with_outliers=False):
+    def write_truth(self, with_path=True, with_landmarks=True, fix_only=False, positions_with_outliers=False,
+                    size=1.0):
+        """size: what the positions are multiplied with."""
         from geometry_msgs.msg import PoseStamped
         from sensor_msgs.msg import NavSatFix
         from slam_tools.environment import package_messages
@@ -165,13 +168,13 @@ class EndToEnd(unittest.TestCase):
                 places = {21: (-3, -3), 22: (3, -3), 23: (3, 3), 24: (-3, 3), 25: (40, 40)}
                 for identity, (x, y) in places.items():
                     landmark = messages.Landmark(id=identity, source_id=identity)
-                    position = self.MOTION.points(np.array([x, y, 0.0]))
+                    position = size * self.MOTION.points(np.array([x, y, 0.0]))
                     landmark.position.x, landmark.position.y = position[:2]
                     message.landmarks.append(landmark)
                 bag.write("/ground_truth/landmarks", message, start, latched=True)
             for i in range(401 if with_path else 0):
                 stamp = time_from_nanoseconds((self.START + 0.1 * i) * 1e9)
-                position = self.MOTION.points(np.array([0.05 * i - 10.0, 0.0, 0.0]))
+                position = size * self.MOTION.points(np.array([0.05 * i - 10.0, 0.0, 0.0]))
                 if fix_only:
                     fix = NavSatFix(latitude=45.0 + np.degrees(position[1] / 6367381.8), altitude=0.0,
                                     longitude=7.0 + np.degrees(position[0] / 6388838.3 * math.sqrt(2.0)))
@@ -342,6 +345,7 @@ class EndToEnd(unittest.TestCase):
             ("trajectory.tum", "1 0 0 0 0 0 0 1\n2 0 0 0\n", ("trajectory.tum:2", "8 finite numbers")),
             ("trajectory.tum", "1 0 0 nan 0 0 0 1\n", ("trajectory.tum:1", "nan")),
             ("trajectory.tum", "1 0 0 0 0 0 0 0\n", ("trajectory.tum", "quaternion", "norm 0")),
+            ("trajectory.tum", "1 1e300 0 0 0 0 0 1\n", ("trajectory.tum:1", "1e300", "at most 1e+12")),
             ("trajectory_covariance.csv", "t,a\n", ("trajectory_covariance.csv:1", "header")),
             ("trajectory_covariance.csv", COVARIANCE_HEADER, ("trajectory_covariance.csv", "(0)", "(400)")),
             ("landmarks.csv", None, ("landmarks.csv", "no such file")),
@@ -349,6 +353,8 @@ class EndToEnd(unittest.TestCase):
             ("landmarks.csv", LANDMARK_HEADER + "0,red,1\n", ("landmarks.csv:2", "12 are needed")),
             ("landmarks.csv", LANDMARK_HEADER + "0,red,1,?,0,1,0,0,1,0,1,5\n",
              ("landmarks.csv:2", "y is '?'")),
+            ("landmarks.csv", LANDMARK_HEADER + "0,red,1,1e300,0,1,0,0,1,0,1,5\n",
+             ("landmarks.csv:2", "y is 1e+300", "at most 1e+12")),
             ("landmarks.csv", LANDMARK_HEADER + 2 * "0,red,1,1,0,1,0,0,1,0,1,5\n", ("landmark 0", "twice")),
             ("associations.csv", ASSOCIATION_HEADER + "1,0,,matched,0,\n",
              ("associations.csv:2", "source_id")),
@@ -374,6 +380,13 @@ class EndToEnd(unittest.TestCase):
                 ((self.folder, "--truth", self.bag, "--align", "sim3"), ("sim3",)),
                 ((self.folder, "--truth", self.bag, "--sigmas", "0"), ("--sigmas",))]:
             support.assert_one_line_error(self, support.run_script("evaluate.py", *arguments), *expected)
+
+    def test_a_truth_too_far_away_to_calculate_with_is_one_line(self):
+        for options, topic in [({"with_landmarks": False}, "/ground_truth/pose"),
+                               ({"with_path": False}, "/ground_truth/landmarks")]:
+            self.write_truth(size=1e300, **options)
+            process = support.run_script("evaluate.py", self.folder, "--truth", self.bag)
+            support.assert_one_line_error(self, process, "truth.bag", "entry 1", topic, "1e+12")
 
 
 if __name__ == "__main__":
