@@ -1,7 +1,9 @@
 #!/usr/bin/python3
-"""Compares what slam_replay wrote to DIR with the truth in a bag.
+"""Compares what slam_replay or record_run.py wrote to DIR with the truth in a bag.
 
-Prints a table and writes DIR/evaluation.json and DIR/evaluation.png.
+Prints a table and writes DIR/evaluation.json and DIR/evaluation.png; with --report also DIR/report.html, a page with
+the figures, the map, the errors, the parameters and the warnings that can be handed in: one file, no network. A report
+needs no truth; without it errors are not known.
 """
 import os
 import sys
@@ -12,8 +14,9 @@ if __name__ == "__main__":
     use_system_python()
 
 from slam_tools import cli
-from slam_tools.evaluation import evaluate, read_truth
+from slam_tools.evaluation import ALIGNMENTS, NO_TRUTH, evaluate, read_truth
 from slam_tools.metrics import definitions, table, write_metrics
+from slam_tools.provenance import read_provenance
 from slam_tools.runs import read_estimate
 
 DEFINITIONS = """\
@@ -51,23 +54,35 @@ def main():
     parser = cli.ArgumentParser(description=__doc__, epilog=DEFINITIONS + definitions())
     parser.add_argument("folder", metavar="DIR",
                         help="folder that slam_replay wrote; gets evaluation.json and evaluation.png")
-    parser.add_argument("--truth", metavar="BAG", required=True, help="bag with the ground truth")
-    parser.add_argument("--align", choices=("none", "se2", "se3", "robust"), default="se2",
+    parser.add_argument("--truth", metavar="BAG", help="bag with the ground truth; only a report goes without")
+    parser.add_argument("--align", choices=ALIGNMENTS, default="se2",
                         help="how the estimate is brought into the frame of the truth (default: %(default)s)")
     parser.add_argument("--sigmas", metavar="N", type=float, default=3.0,
                         help="size of the bands and ellipses in the picture (default: %(default)g)")
+    parser.add_argument("--report", action="store_true", help="also write DIR/report.html")
+    parser.add_argument("--title", metavar="TEXT", help="heading of the report (default: the name of DIR)")
     arguments = parser.parse_args()
     if not 0.0 < arguments.sigmas <= 100.0:
         parser.error(f"--sigmas is {arguments.sigmas:g}; a number above 0, at most 100, is needed")
+    if arguments.truth is None and not arguments.report:
+        parser.error("--truth BAG is needed; only --report goes without")
+    if arguments.title is not None and not arguments.report:
+        parser.error("--title is that of a report; --report is needed")
 
     estimate = read_estimate(arguments.folder)
-    truth = read_truth(arguments.truth)
+    provenance = read_provenance(arguments.folder) if arguments.report else None
+    truth = NO_TRUTH if arguments.truth is None else read_truth(arguments.truth)
     evaluation = evaluate(estimate, truth, arguments.align)
     write_metrics(evaluation.metrics, os.path.join(arguments.folder, "evaluation.json"))
 
-    from slam_tools.plots import draw_evaluation   # late: matplotlib takes a while to load
+    from slam_tools.evaluation_plots import draw_evaluation   # late: matplotlib takes a while to load
     with cli.atomic_output(os.path.join(arguments.folder, "evaluation.png")) as path:
         draw_evaluation(path, estimate, truth, evaluation, arguments.sigmas)
+    if arguments.report:
+        from slam_tools.report import Run, write_report
+        write_report(os.path.join(arguments.folder, "report.html"),
+                     Run(arguments.folder, estimate, provenance, truth, arguments.truth, evaluation,
+                         arguments.sigmas), arguments.title)
     print("\n".join(table(evaluation.metrics)))
 
 

@@ -3,8 +3,6 @@
 
   scripts/plot_consistency.py FILE.json PICTURE.png
 """
-import argparse
-import json
 import os
 import sys
 
@@ -13,14 +11,11 @@ if __name__ == "__main__":
     from slam_tools.environment import use_system_python
     use_system_python()
 
-import matplotlib  # noqa: E402
+import numpy as np
 
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-
-from slam_tools.plots import BOUNDS_COLOR, STYLE  # noqa: E402
+from slam_tools import cli
+from slam_tools.plots import BOUNDS_COLOR, STYLE, plt
+from slam_tools.studies import draw_study
 
 COLORS = ("#d55e00", "#0072b2", "#cc3399", "#e69f00", "#009e73")
 AXES = (("x (m)", 1.0), ("y (m)", 1.0), ("heading (deg)", 180.0 / np.pi))
@@ -51,26 +46,13 @@ def draw(results, path):
             panels[1 + row][0].set_ylabel(f"error in {name},\n3 sigma (first run)")
         figure.align_ylabels(panels[:, 0])
         figure.tight_layout()
-        figure.savefig(path, dpi=110)
+        figure.savefig(path, format="png", dpi=110)
         plt.close(figure)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("results", help="what slam_study consistency --json wrote")
-    parser.add_argument("picture", help="PNG to write")
-    arguments = parser.parse_args()
-    try:
-        with open(arguments.results, encoding="utf-8") as file:
-            results = json.load(file)
-        draw(results, arguments.picture)
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        print(f"plot_consistency.py: {arguments.results}: not what slam_study consistency --json writes: {error!r}",
-              file=sys.stderr)
-        return 2
-    print(arguments.picture)
-    return 0
+    draw_study("consistency", __doc__, draw)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    cli.run(main)

@@ -3,8 +3,6 @@
 
   scripts/plot_robustness.py FILE.json PICTURE.png
 """
-import argparse
-import json
 import os
 import sys
 
@@ -13,14 +11,11 @@ if __name__ == "__main__":
     from slam_tools.environment import use_system_python
     use_system_python()
 
-import matplotlib  # noqa: E402
+import numpy as np
 
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-
-from slam_tools.plots import STYLE  # noqa: E402
+from slam_tools import cli
+from slam_tools.plots import STYLE, plt
+from slam_tools.studies import draw_study
 
 VARIANTS = (("configured", "#0072b2", "o"), ("textbook", "#d55e00", "s"))
 COLUMNS = 4
@@ -79,26 +74,13 @@ def draw(sweeps, path):
                     plt.Line2D([], [], color="#444444", linewidth=0.7, label="0.09 m")]
         figure.legend(handles=handles, loc="lower right", ncol=2, bbox_to_anchor=(0.985, 0.2),
                       title=f"{sweeps[0]['runs']} runs a point")
-        figure.savefig(path, dpi=110)
+        figure.savefig(path, format="png", dpi=110)
         plt.close(figure)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("results", help="what slam_study robustness --json wrote")
-    parser.add_argument("picture", help="PNG to write")
-    arguments = parser.parse_args()
-    try:
-        with open(arguments.results, encoding="utf-8") as file:
-            sweeps = json.load(file)
-        draw(sweeps, arguments.picture)
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        print(f"plot_robustness.py: {arguments.results}: not what slam_study robustness --json writes: {error!r}",
-              file=sys.stderr)
-        return 2
-    print(arguments.picture)
-    return 0
+    draw_study("robustness", __doc__, draw)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    cli.run(main)

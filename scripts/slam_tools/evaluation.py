@@ -11,6 +11,12 @@ from .geometry import (Interpolation, Path, RigidTransform, align, align_robustl
 from .landmark_matching import association_accuracy, match_landmarks
 from .metrics import no_metrics
 
+ALIGNMENTS = {
+    "none": "estimate and truth are compared in their own frames",
+    "se2": "the estimate is brought onto the truth by the least-squares rigid transform in the plane",
+    "se3": "the estimate is brought onto the truth by the least-squares rigid transform in space",
+    "robust": "the estimate is brought onto the truth by the rigid transform in the plane with the smallest sum of "
+              "distances, which outliers of the truth hardly move"}
 TRUTH_GAP_MAX = 0.5            # s, over which the truth is interpolated
 STD_MIN = 1e-7                 # m or rad: a covariance below is singular
 
@@ -19,6 +25,13 @@ STD_MIN = 1e-7                 # m or rad: a covariance below is singular
 class Truth:
     path: Optional[Path]
     landmarks: Optional[Landmarks]
+
+    @property
+    def is_known(self):
+        return self.path is not None or self.landmarks is not None
+
+
+NO_TRUTH = Truth(None, None)
 
 
 @dataclass(frozen=True)
@@ -54,7 +67,7 @@ class Evaluation:
 def read_truth(bag_path):
     with open_bag(bag_path) as bag:
         truth = Truth(read_true_path(bag_path, bag), read_true_landmarks(bag_path, bag))
-    if truth.path is None and truth.landmarks is None:
+    if not truth.is_known:
         raise InputError(f"{bag_path}: holds no truth; /ground_truth/pose, /ground_truth/landmarks or "
                          "a topic of sensor_msgs/NavSatFix is needed")
     return truth
@@ -218,7 +231,7 @@ class _Comparison:
 
 
 def evaluate(estimate, truth, alignment):
-    """alignment: none, se2, se3 or robust."""
+    """alignment: one of ALIGNMENTS."""
     comparison = _Comparison(estimate, truth, alignment)
     comparison.metrics["landmarks_estimated"] = len(estimate.landmarks)
     comparison.measure(estimate.path if truth.path is None else comparison.compare_paths())
