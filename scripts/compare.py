@@ -26,7 +26,7 @@ columns
   pose NEES                     mean, laid on the truth at the start; 3 in the plane and 6 in space are expected
   mapped, missed, spurious      landmarks of the map, true ones without an estimate, estimates without a true one
   right                         share of the accepted detections with an identity that went to the right landmark
-  ms/update, x real time        mean time per message with detections; seconds of data per second
+  ms/update, cpu (s)            mean time per message with detections; processor time of the whole run
 --json also has the other figures of evaluation.json; null where unknown.
 
 example

@@ -36,7 +36,7 @@ class Comparing(StraightRun):
         shutil.copytree(self.folder, self.other)
         os.remove(os.path.join(self.other, "trajectory_covariance.csv"))
         shutil.copy(os.path.join(self.folder, "dead_reckoning.tum"), os.path.join(self.other, "trajectory.tum"))
-        support.write(self.folder, "summary.json", json.dumps({"update_ms_mean": 0.25, "times_real_time": 1234.5}))
+        support.write(self.folder, "summary.json", json.dumps({"update_ms_mean": 0.25, "cpu_seconds": 1234.5}))
         support.write(self.folder, "parameters.yaml", "estimator: {type: ekf, seed: 1}\n")
         support.write(self.other, "parameters.yaml", "estimator: {type: ukf, seed: 1.0}\n")
         self.picture = os.path.join(self.top, "picture.png")
