@@ -12,7 +12,7 @@ from kinect_ekf_slam.msg import LandmarkDetectionArray, LandmarkMap
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, "support"))
 
-from slam_run import ROOT, Recorder  # noqa: E402
+from node_process import ROOT, Recorder  # noqa: E402
 from waiting import wait_until  # noqa: E402
 
 LONGEST = 240.0  # s of wall time; rendering on a loaded machine is slow

@@ -16,7 +16,7 @@ from tf2_msgs.msg import TFMessage
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, "support"))
 
 from detector_run import COLOUR, FOCAL_LENGTH, FRAME, HEIGHT, PALETTE, WIDTH, PictureCase  # noqa: E402
-from slam_run import Recorder  # noqa: E402
+from node_process import Recorder  # noqa: E402
 from waiting import wait_until  # noqa: E402
 
 GREEN, RED = (60, 220, 60), (60, 60, 230)    # blue, green, red: frames round what was found and what was refused

@@ -15,7 +15,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), os.
 
 import scenario  # noqa: E402
 from slam_case import SlamCase  # noqa: E402
-from slam_run import executable  # noqa: E402
+from node_process import executable  # noqa: E402
 from waiting import wait_until  # noqa: E402
 from write_bag import write_bag  # noqa: E402
 

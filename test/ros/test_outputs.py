@@ -14,7 +14,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), os.
 
 import scenario  # noqa: E402
 from slam_case import SlamCase, matrix  # noqa: E402
-from slam_run import Recorder  # noqa: E402
+from node_process import Recorder  # noqa: E402
 from waiting import wait_until  # noqa: E402
 
 TRUE_POSITIONS = {identity: (x, y) for identity, (_, x, y) in scenario.LANDMARKS.items()}

@@ -18,7 +18,8 @@ from visualization_msgs.msg import Marker
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, "support"))
 
 import scenario  # noqa: E402
-from slam_run import ROOT, SlamRun, executable  # noqa: E402
+from node_process import ROOT, executable  # noqa: E402
+from slam_run import SlamRun  # noqa: E402
 from waiting import wait_until  # noqa: E402
 
 sys.path.insert(0, os.path.join(ROOT, "scripts"))

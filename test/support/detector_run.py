@@ -1,8 +1,6 @@
 """One landmark_detector_node in a namespace of its own, and pictures of a red post for it."""
 import itertools
 import os
-import subprocess
-import tempfile
 import unittest
 
 import numpy as np
@@ -11,8 +9,8 @@ from diagnostic_msgs.msg import DiagnosticArray
 from kinect_ekf_slam.msg import LandmarkDetectionArray
 from sensor_msgs.msg import CameraInfo, Image
 
-from slam_run import ROOT, Recorder, executable
-from waiting import DEADLINE, wait_until
+from node_process import ROOT, NodeProcess, Recorder
+from waiting import wait_until
 
 WIDTH, HEIGHT, FOCAL_LENGTH = 640, 480, 525.0
 CAMERA_HEIGHT, POST, RADIUS, POST_HEIGHT = 0.3, (0.2, 1.4), 0.08, 0.45   # m; the post's x and z, level camera
@@ -39,34 +37,19 @@ def scene():
 COLOUR, DEPTH = scene()
 
 
-class Detector:
+class Detector(NodeProcess):
     """One landmark_detector_node in a namespace of its own."""
 
     def __init__(self, parameters):
         self.namespace = "/detector_%d" % next(_numbers)
-        self.name = self.namespace + "/landmark_detector_node"
-        rospy.set_param(self.name, parameters)
         self.landmarks = Recorder(self.namespace + "/landmarks", LandmarkDetectionArray)
         self._diagnostics = Recorder("/diagnostics", DiagnosticArray)
-        self._stderr = tempfile.TemporaryFile(mode="w+")
-        self._process = subprocess.Popen(
-            [executable("landmark_detector_node"), "__ns:=" + self.namespace, "__name:=landmark_detector_node"],
-            stdout=subprocess.DEVNULL, stderr=self._stderr)
+        super().__init__("landmark_detector_node", self.namespace, parameters)
 
     def publisher(self, topic, kind):
         publisher = rospy.Publisher(self.namespace + "/" + topic, kind, queue_size=10)
         wait_until(lambda: publisher.get_num_connections() > 0, "the node listens to " + topic)
         return publisher
-
-    def said(self):
-        self._stderr.seek(0)
-        return self._stderr.read()
-
-    def is_running(self):
-        return self._process.poll() is None
-
-    def exit_code(self):
-        return self._process.wait(timeout=DEADLINE)
 
     def figures(self):
         """What the node's last diagnostics say."""
@@ -77,8 +60,7 @@ class Detector:
         return {}
 
     def close(self):
-        self._process.terminate()
-        self._process.wait(timeout=DEADLINE)
+        self.stop()
         self.landmarks.close()
         self._diagnostics.close()
 

@@ -3,12 +3,9 @@ import copy
 import itertools
 import os
 import shutil
-import signal
-import subprocess
 import tempfile
 import time
 
-import roslib.packages
 import rospy
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray
@@ -22,9 +19,9 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 import scenario
-from waiting import DEADLINE, wait_until
+from node_process import ROOT, NodeProcess, Recorder
+from waiting import wait_until
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 _numbers = itertools.count()
 _diagnostics = []  # the one subscription that all runs share
 
@@ -49,62 +46,12 @@ def with_overrides(parameters, overrides):
     return result
 
 
-def executable(name):
-    """The path of one of the package's programs."""
-    return roslib.packages.find_node("kinect_ekf_slam", name)[0]
-
-
-class SlamProcess:
-    """slam_node as a process: config/slam.yaml in its private namespace, and what differs."""
+class SlamProcess(NodeProcess):
+    """slam_node: config/slam.yaml in its private namespace, and what differs."""
 
     def __init__(self, namespace, overrides):
-        self.name = namespace + "/slam_node"
-        rospy.set_param(self.name, with_overrides(default_parameters(), overrides))
-        self._stderr = tempfile.TemporaryFile(mode="w+")
-        self._process = subprocess.Popen(
-            [executable("slam_node"), "__ns:=" + namespace, "__name:=slam_node", "/tf:=%s/tf" % namespace,
-             "/tf_static:=%s/tf_static" % namespace],
-            stdout=subprocess.DEVNULL, stderr=self._stderr)
-
-    def said(self):
-        """What it has written to stderr."""
-        self._stderr.seek(0)
-        return self._stderr.read()
-
-    def is_running(self):
-        return self._process.poll() is None
-
-    def exit_code(self):
-        """Waits for the end."""
-        return self._process.wait(timeout=DEADLINE)
-
-    def stop(self):
-        if self.is_running():
-            self._process.send_signal(signal.SIGINT)
-        try:
-            self._process.wait(timeout=DEADLINE)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
-            raise
-
-
-class Recorder:
-    """All messages of one topic."""
-
-    def __init__(self, topic, kind):
-        self.messages = []
-        self._subscriber = rospy.Subscriber(topic, kind, self.messages.append, queue_size=None, tcp_nodelay=True)
-
-    @property
-    def last(self):
-        return self.messages[-1] if self.messages else None
-
-    def is_connected(self):
-        return self._subscriber.get_num_connections() > 0
-
-    def close(self):
-        self._subscriber.unregister()
+        super().__init__("slam_node", namespace, with_overrides(default_parameters(), overrides),
+                         ("/tf:=%s/tf" % namespace, "/tf_static:=%s/tf_static" % namespace))
 
 
 class SlamRun:

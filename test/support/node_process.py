@@ -1,0 +1,69 @@
+"""One of the package's nodes as a process, and what it publishes."""
+import os
+import signal
+import subprocess
+import tempfile
+
+import roslib.packages
+import rospy
+
+from waiting import DEADLINE
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+
+
+def executable(name):
+    """The path of one of the package's programs."""
+    return roslib.packages.find_node("kinect_ekf_slam", name)[0]
+
+
+class NodeProcess:
+    """A node in a namespace, with `parameters` in its private one."""
+
+    def __init__(self, program, namespace, parameters, remappings=()):
+        self.name = namespace + "/" + program
+        rospy.set_param(self.name, parameters)
+        self._stderr = tempfile.TemporaryFile(mode="w+")
+        self._process = subprocess.Popen(
+            [executable(program), "__ns:=" + namespace, "__name:=" + program, *remappings],
+            stdout=subprocess.DEVNULL, stderr=self._stderr)
+
+    def said(self):
+        """What it has written to stderr."""
+        self._stderr.seek(0)
+        return self._stderr.read()
+
+    def is_running(self):
+        return self._process.poll() is None
+
+    def exit_code(self):
+        """Waits for the end."""
+        return self._process.wait(timeout=DEADLINE)
+
+    def stop(self):
+        if self.is_running():
+            self._process.send_signal(signal.SIGINT)
+        try:
+            self._process.wait(timeout=DEADLINE)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+            raise
+
+
+class Recorder:
+    """All messages of one topic."""
+
+    def __init__(self, topic, kind):
+        self.messages = []
+        self._subscriber = rospy.Subscriber(topic, kind, self.messages.append, queue_size=None, tcp_nodelay=True)
+
+    @property
+    def last(self):
+        return self.messages[-1] if self.messages else None
+
+    def is_connected(self):
+        return self._subscriber.get_num_connections() > 0
+
+    def close(self):
+        self._subscriber.unregister()
