@@ -34,6 +34,8 @@ inline std::string text_of(double value) {
   return text.str();
 }
 
+inline std::string text_of(int value) { return std::to_string(value); }
+
 /// Goes through all parameters once: reads them, or only lists them when there is no YAML.
 class ParameterVisitor {
  public:
@@ -52,7 +54,7 @@ class ParameterVisitor {
   void integer(const std::string& key, int* value, int low, int high, const std::string& unit,
                const std::string& meaning) {
     const std::string allowed = range(low, high);
-    note({key, std::to_string(*value), unit, allowed, meaning});
+    note({key, text_of(*value), unit, allowed, meaning});
     if (const YAML::Node node = find(key)) {
       *value = convert<int>(key, node, "a whole number " + allowed);
       if (*value < low || *value > high) fail(key, node, "a whole number " + allowed);
@@ -68,7 +70,7 @@ class ParameterVisitor {
     const std::string allowed = may_be_empty ? "text" : "text, not empty";
     note({key, *value, "", allowed, meaning});
     if (const YAML::Node node = find(key)) {
-      *value = convert<std::string>(key, node, allowed);
+      *value = may_be_empty && node.IsNull() ? "" : convert<std::string>(key, node, allowed);
       if (!may_be_empty && value->empty()) fail(key, node, allowed);
     }
   }
@@ -162,7 +164,8 @@ class ParameterVisitor {
            std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
   }
 
-  static std::string range(double low, double high) {
+  template <class Number>
+  static std::string range(Number low, Number high) {
     if (high == kInfinity) return low == -kInfinity ? "of any size" : ">= " + text_of(low);
     return "from " + text_of(low) + " to " + text_of(high);
   }
@@ -184,6 +187,7 @@ class ParameterVisitor {
 
   template <class Value>
   static Value convert(const std::string& key, const YAML::Node& node, const std::string& allowed) {
+    if (node.IsNull()) fail(key, node, allowed);  // yaml-cpp has a text for nothing: "null"
     try {
       return node.as<Value>();
     } catch (const YAML::Exception&) {
@@ -192,7 +196,9 @@ class ParameterVisitor {
   }
 
   [[noreturn]] static void fail(const std::string& key, const YAML::Node& node, const std::string& allowed) {
-    throw ParameterError(key + ": '" + text_of(node) + "' given, allowed: " + allowed);
+    const bool is_empty = node.IsNull() || (node.IsScalar() && node.Scalar().empty());
+    throw ParameterError(key + (is_empty ? ": is empty" : ": '" + text_of(node) + "' given") +
+                         ", allowed: " + allowed);
   }
 
   const YAML::Node* yaml_;

@@ -82,12 +82,32 @@ TEST(Parameters, SayWhichValuesAreAllowed) {
             "sync/queue_size: '0' given, allowed: a whole number from 1 to 100000");
   EXPECT_EQ(refusal("association/gate_probability=1.5"),
             "association/gate_probability: '1.5' given, allowed: a number from 1e-06 to 1");
-  EXPECT_EQ(refusal("map/file_name=''"), "map/file_name: '\"\"' given, allowed: text, not empty");
+  EXPECT_EQ(refusal("association/joint_work=1e+07"),
+            "association/joint_work: '1e+07' given, allowed: a whole number from 1 to 10000000");
   EXPECT_EQ(refusal("sensor/min_depth=5"),
             "sensor/min_depth: 5 given, allowed: at most sensor/max_depth, 2.6");
   EXPECT_EQ(refusal("association/new_landmark_probability=0.5"),
             "association/new_landmark_probability: 0.5 given, allowed: at least "
             "association/gate_probability, 0.975");
+}
+
+TEST(Parameters, SayWhatIsEmpty) {
+  EXPECT_EQ(refusal("map/file_name=''"), "map/file_name: is empty, allowed: text, not empty");
+  EXPECT_EQ(refusal("map/file_name="), "map/file_name: is empty, allowed: text, not empty");
+  EXPECT_EQ(refusal("frames/tf_timeout="), "frames/tf_timeout: is empty, allowed: a number from 0 to 10");
+  EXPECT_EQ(refusal("sync/queue_size=~"),
+            "sync/queue_size: is empty, allowed: a whole number from 1 to 100000");
+  EXPECT_EQ(refusal("output/publish_tf="), "output/publish_tf: is empty, allowed: true or false");
+  EXPECT_EQ(refusal("mode="), "mode: is empty, allowed: one of slam, localization");
+  EXPECT_EQ(
+      refusal("frames/static_transforms="),
+      "frames/static_transforms: is empty, allowed: a list of {parent, child, xyz: [m], rpy_deg: [deg]}");
+}
+
+TEST(Parameters, ATextThatMayBeEmptyNeedsNoQuotes) {
+  YAML::Node yaml = least();
+  set_parameter("sync/imu_topic=", &yaml);
+  EXPECT_EQ(read_parameters(yaml, nullptr).sync.imu_topic, "");
 }
 
 TEST(Parameters, SayWhichTypeIsExpected) {
