@@ -16,6 +16,16 @@ namespace {
   throw std::runtime_error(path + ": " + what + ": " + std::strerror(errno));
 }
 
+/// A new file in the folder of `path`, so that a rename stays within one file system. Throws.
+int open_temporary(const std::string& path, std::vector<char>* name) {
+  const std::string pattern = path + ".XXXXXX";
+  name->assign(pattern.begin(), pattern.end());
+  name->push_back('\0');
+  const int descriptor = ::mkstemp(name->data());
+  if (descriptor < 0) fail(path, "cannot be created");
+  return descriptor;
+}
+
 bool write_all(int descriptor, const std::string& text) {
   std::size_t written = 0;
   while (written < text.size()) {
@@ -30,11 +40,8 @@ bool write_all(int descriptor, const std::string& text) {
 }  // namespace
 
 void write_file_atomically(const std::string& path, const std::string& text) {
-  const std::string pattern = path + ".XXXXXX";  // in the same folder: a rename within one file system
-  std::vector<char> temporary(pattern.begin(), pattern.end());
-  temporary.push_back('\0');
-  const int descriptor = ::mkstemp(temporary.data());
-  if (descriptor < 0) fail(path, "cannot be created");
+  std::vector<char> temporary;
+  const int descriptor = open_temporary(path, &temporary);
   const mode_t mask = ::umask(0);
   ::umask(mask);
   const bool complete = ::fchmod(descriptor, 0666 & ~mask) == 0 && write_all(descriptor, text);
@@ -47,6 +54,18 @@ void write_file_atomically(const std::string& path, const std::string& text) {
     errno = reason;
     fail(path, "cannot be written");
   }
+}
+
+void require_writable(const std::string& path) {
+  if (path.empty()) throw std::runtime_error("an empty name is given for a file to write");
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode)) {
+    errno = EISDIR;
+    fail(path, "cannot be written");
+  }
+  std::vector<char> temporary;
+  ::close(open_temporary(path, &temporary));
+  ::unlink(temporary.data());
 }
 
 }  // namespace kinect_ekf_slam

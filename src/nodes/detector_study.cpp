@@ -8,6 +8,7 @@
 #include "kinect_ekf_slam/perception/debug_picture.h"
 #include "kinect_ekf_slam/ros/command_line.h"
 #include "kinect_ekf_slam/ros/detector_options.h"
+#include "kinect_ekf_slam/ros/package_files.h"
 #include "kinect_ekf_slam/study/cylinder_study.h"
 #include "kinect_ekf_slam/study/feature_study.h"
 #include "kinect_ekf_slam/study/fiducial_study.h"
@@ -38,8 +39,8 @@ struct Arguments {
   std::string subject;
   int views = 0;
   std::uint64_t seed = 1;
-  std::string palette = "config/palette.yaml";
-  std::string world = "config/worlds/room_textured.yaml";
+  std::string palette = kinect_ekf_slam::package_file("config/palette.yaml");
+  std::string world = kinect_ekf_slam::package_file("config/worlds/room_textured.yaml");
   std::string type = "orb";
   std::string picture;
 };

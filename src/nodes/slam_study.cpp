@@ -10,6 +10,7 @@
 #include "kinect_ekf_slam/core/atomic_file.h"
 #include "kinect_ekf_slam/ros/command_line.h"
 #include "kinect_ekf_slam/ros/detector_options.h"
+#include "kinect_ekf_slam/ros/package_files.h"
 #include "kinect_ekf_slam/ros/parameters.h"
 #include "kinect_ekf_slam/ros/picture_detector.h"
 #include "kinect_ekf_slam/simulation/world.h"
@@ -59,7 +60,7 @@ constexpr const char* kUsage =
     "Exit: 0 done, 2 the input cannot be used (one line says why).\n";
 
 constexpr int kMostSeeds = 1000000;
-constexpr const char* kRoom = "config/worlds/room.yaml";
+constexpr const char* kRoom = "config/worlds/room.yaml";  // of the package
 constexpr const char* kHardRoom = "config/worlds/room_hard.yaml";
 
 using kinect_ekf_slam::CommandLine;
@@ -80,6 +81,14 @@ std::string choice(CommandLine* words, const std::vector<std::string>& choices) 
   words->fail(option + ": '" + value + "' given, allowed: " + allowed);
 }
 
+/// The file that belongs to the present word, which can be written: to be known before the study, not after
+/// it.
+std::string output_file(CommandLine* words) {
+  std::string path = words->value();
+  kinect_ekf_slam::require_writable(path);
+  return path;
+}
+
 void write(const std::string& path, const std::string& json) {
   if (!path.empty()) kinect_ekf_slam::write_file_atomically(path, json);
 }
@@ -98,9 +107,10 @@ struct RoomRequest {
 };
 
 /// `own`: the options of this study besides --world, --config and --set, which every one has.
-RoomRequest parse_room(CommandLine* words, const std::vector<std::string>& own, std::string world = kRoom,
-                       int seeds = 100) {
+RoomRequest parse_room(CommandLine* words, const std::vector<std::string>& own,
+                       const std::string& default_world = kRoom, int seeds = 100) {
   RoomRequest request;
+  std::string world = kinect_ekf_slam::package_file(default_world);
   std::vector<std::string> configs;
   std::vector<std::string> settings;
   request.study.seeds = seeds;
@@ -121,7 +131,7 @@ RoomRequest parse_room(CommandLine* words, const std::vector<std::string>& own, 
       request.study.first_seed = words->number<std::uint64_t>(
           0, kMostSeeds, "a whole number from 0 to " + std::to_string(kMostSeeds));
     } else if (is_own("--json")) {
-      request.json = words->value();
+      request.json = output_file(words);
     } else if (is_own("--detect")) {
       append(words->assignments(), &request.detect);
     } else if (is_own("--picture-rate")) {
@@ -156,12 +166,12 @@ void run(const RoomRequest& request) {
 void study_room(CommandLine* words) { run(parse_room(words, {"--seeds", "--first-seed", "--json"})); }
 
 kinect_ekf_slam::DetectorOptions detector_options(const std::vector<std::string>& assignments) {
-  YAML::Node yaml = YAML::LoadFile("config/detector.yaml");
+  YAML::Node yaml = YAML::LoadFile(kinect_ekf_slam::package_file("config/detector.yaml"));
   for (const std::string& assignment : assignments) kinect_ekf_slam::set_parameter(assignment, &yaml);
   std::vector<std::string> unread;
   auto options = kinect_ekf_slam::read_detector_options(yaml, &unread);
   for (const std::string& key : unread) throw kinect_ekf_slam::ParameterError(key + ": is not known");
-  if (options.palette.empty()) options.palette = "config/palette.yaml";
+  if (options.palette.empty()) options.palette = kinect_ekf_slam::package_file("config/palette.yaml");
   return options;
 }
 
@@ -240,7 +250,7 @@ void study_consistency(CommandLine* words) {
     } else if (word == "--loops") {
       scenario.loops = words->number(1, 1000, "a whole number from 1 to 1000");
     } else if (word == "--json") {
-      json = words->value();
+      json = output_file(words);
     } else {
       words->fail_at_word("unknown option of consistency");
     }

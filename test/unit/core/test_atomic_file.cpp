@@ -45,6 +45,17 @@ TEST(AtomicFile, WritesAndReplaces) {
   EXPECT_EQ(folder.entries(), 1U);
 }
 
+TEST(AtomicFile, IsKnownToBeWritableBefore) {
+  const TemporaryFolder folder;
+  require_writable(folder / "a");
+  EXPECT_EQ(folder.entries(), 0U) << "nothing stays";
+  EXPECT_NE(message_of<std::runtime_error>([] { require_writable(""); }), "");
+  for (const std::string& path : {folder / "none/a", folder.path()}) {
+    const std::string line = message_of<std::runtime_error>([&] { require_writable(path); });
+    EXPECT_EQ(line.rfind(path + ": cannot be ", 0), 0U) << line;
+  }
+}
+
 TEST(AtomicFile, CanBeEmpty) {
   const TemporaryFolder folder;
   write_file_atomically(folder / "a", "");
