@@ -27,7 +27,7 @@ say "Building"
 scripts/build.sh | sed -u '/Built target/d'
 mkdir -p "$out"
 out=$(realpath "$out")
-rm -rf "$out/log" "$out"/{rviz,evaluation}.png "$out"/{summary,evaluation}.json "$out/demo_map.yaml"
+rm -rf "$out/log" "$out"/{rviz,evaluation}.png "$out"/{summary,evaluation}.json "$out"/{report.html,demo_map.yaml}
 
 # Everything that this script starts ends with it.
 launch='' screen=''
@@ -79,7 +79,7 @@ drawn || echo "demo.sh: no picture of RViz: its window did not come" >&2
 build/devel/env.sh rosservice call /slam_node/save_map demo_map.yaml >"$out/log/save_map.txt"
 
 say "Comparing with the truth"
-build/devel/env.sh python3 scripts/evaluate.py "$out" --truth "$bag"
+build/devel/env.sh python3 scripts/evaluate.py "$out" --truth "$bag" --report --title "Demonstration: $(basename "$bag")"
 
 say "Result"
 python3 - "$out" <<'END'
@@ -95,6 +95,7 @@ if result["landmarks_true"] is not None:
 print(f"path {metres['ate_rmse_m']} off (RMSE); by the wheels alone {metres['dead_reckoning_ate_rmse_m']}")
 for name, meaning in (("rviz.png", "what RViz showed at the end"),
                       ("evaluation.png", "path, map and errors against the truth"),
+                      ("report.html", "all of it as a page: figures, map, parameters, warnings"),
                       ("evaluation.json", "the figures of the table"),
                       ("demo_map.yaml", "the map, as slam_node saves and loads it"),
                       ("trajectory.tum", "the path; beside it covariances, landmarks and associations"),

@@ -24,7 +24,9 @@ files in DIR
                               makes of wheels and gyro, without landmarks.)
   landmarks.csv               the last ~map
   associations.csv            ~associations
-  summary.json                seconds, counts of poses, detections by verdict, landmarks
+  parameters.yaml             what the parameter server holds of the node, with what was changed while it ran
+  summary.json                seconds, counts of poses, detections by verdict, landmarks; what the node's
+                              diagnostics warned of
 """
 
 POLL_PERIOD = 0.5      # s of wall time

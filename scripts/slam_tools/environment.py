@@ -2,6 +2,7 @@
 import importlib.util
 import os
 import sys
+from xml.etree import ElementTree
 
 SYSTEM_PYTHON = "/usr/bin/python3"
 _MARK = "KINECT_EKF_SLAM_SYSTEM_PYTHON"
@@ -38,6 +39,10 @@ def package_file(*parts):
     above = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
     installed = os.path.join(os.path.dirname(above), "share", "kinect_ekf_slam")
     return os.path.join(above if os.path.exists(os.path.join(above, "package.xml")) else installed, *parts)
+
+
+def package_version():
+    return ElementTree.parse(package_file("package.xml")).findtext("version")
 
 
 def package_messages():

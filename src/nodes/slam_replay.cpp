@@ -1,6 +1,5 @@
 #include <cstdio>
 #include <exception>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -15,7 +14,8 @@ constexpr const char* kUsage =
     "\n"
     "Runs a recorded bag through the SLAM pipeline as fast as it can, without a ROS master.\n"
     "  --config FILE.yaml      parameters that differ from config/slam.yaml; may be given more than once\n"
-    "  --out DIR               write trajectory, landmarks, associations, the map and a summary there\n"
+    "  --out DIR               write trajectory, landmarks, associations, the map, parameters and a summary\n"
+    "                          there\n"
     "  --set group/key=value   one parameter, over all files\n"
     "  --parameters            list all parameters as Markdown and exit\n"
     "Exit: 0 done, 2 the input cannot be used (one line says why).\n";
@@ -35,6 +35,8 @@ void print_parameters() {
                 info.allowed.c_str(), info.meaning.c_str());
   }
 }
+
+void warn(const std::string& line) { std::fprintf(stderr, "slam_replay: warning: %s\n", line.c_str()); }
 
 Arguments parse(kinect_ekf_slam::CommandLine* words) {
   Arguments arguments;
@@ -71,32 +73,15 @@ int main(int argc, char** argv) {
     kinect_ekf_slam::ReplayRequest request;
     request.bag = arguments.bag;
     request.output_directory = arguments.output;
-    request.options = kinect_ekf_slam::read_run_options(
-        arguments.configs, arguments.settings,
-        [](const std::string& line) { std::fprintf(stderr, "slam_replay: warning: %s\n", line.c_str()); });
-    std::map<std::string, std::string> refusals;  // the first of each kind: others differ in their stamps
-    request.on_warning = [&refusals](const std::string& line) {
-      refusals.emplace(line.substr(0, line.find_first_of("0123456789")), line);
-    };
+    request.options = kinect_ekf_slam::read_run_options(arguments.configs, arguments.settings,
+                                                        [&request](const std::string& line) {
+                                                          warn(line);
+                                                          request.warnings.push_back(line);
+                                                        });
     request.on_progress = kinect_ekf_slam::progress_bar();
     const kinect_ekf_slam::ReplayReport report = kinect_ekf_slam::replay_bag(request);
     kinect_ekf_slam::clear_progress_bar();
-    if (report.detection_frames == 0) {
-      std::fprintf(stderr,
-                   "slam_replay: warning: no detections on '%s' (sync/landmarks_topic): odometry alone\n",
-                   request.options.sync.landmarks_topic.c_str());
-    }
-    if (report.new_runs > 0) {
-      std::fprintf(stderr,
-                   "slam_replay: warning: time went back %zu times; the results are of the last run\n",
-                   report.new_runs);
-    }
-    for (const auto& [kind, line] : refusals)
-      std::fprintf(stderr, "slam_replay: warning: %s\n", line.c_str());
-    for (const auto& [reason, count] : report.refusals) {
-      std::fprintf(stderr, "slam_replay: warning: %llu messages refused, %s\n",
-                   static_cast<unsigned long long>(count), reason.c_str());
-    }
+    for (const std::string& line : report.warnings) warn(line);
     std::printf(
         "%.0f s of data in %.2f s (%.0f times real time): %zu landmarks from %zu detection messages%s%s\n",
         report.data_seconds, report.wall_seconds, report.data_seconds / report.wall_seconds, report.landmarks,

@@ -144,12 +144,16 @@ class Replay {
     }
     session_->flush();
     report_.refusals = session_->input().refusals();
+    report_.warnings = warnings();
     for (const Landmark3d& landmark : session_->pipeline().map()) {
       if (landmark.confirmed) ++report_.landmarks;
     }
     report_.wall_seconds = seconds_since(start);
     if (writer_) {
       summary_.bag = request_.bag;
+      summary_.parameters = request_.options.text;
+      summary_.warnings = request_.warnings;
+      summary_.warnings.insert(summary_.warnings.end(), report_.warnings.begin(), report_.warnings.end());
       summary_.wall_seconds = report_.wall_seconds;
       summary_.cpu_seconds = cpu_seconds() - cpu_start;
       summary_.data_seconds = report_.data_seconds;
@@ -168,7 +172,9 @@ class Replay {
     handlers.on_result = [this](const SensorFrame& frame, const SlamResult& result) {
       on_result(frame, result);
     };
-    handlers.on_refusal = request_.on_warning;
+    handlers.on_refusal = [this](const std::string& line) {
+      first_refusals_.emplace(line.substr(0, line.find_first_of("0123456789")), line);
+    };
     handlers.on_time_jump = [this] {
       ++report_.new_runs;
       buffer_.clear();  // mountings that are static stay
@@ -180,6 +186,22 @@ class Replay {
           return lookup_transform(buffer_, target, source, stamp);
         },
         std::move(handlers));
+  }
+
+  std::vector<std::string> warnings() const {
+    std::vector<std::string> lines;
+    if (report_.detection_frames == 0) {
+      lines.push_back("no detections on '" + request_.options.sync.landmarks_topic +
+                      "' (sync/landmarks_topic): odometry alone");
+    }
+    if (report_.new_runs > 0) {
+      lines.push_back("time went back " + std::to_string(report_.new_runs) +
+                      " times; the results are of the last run");
+    }
+    for (const auto& [kind, line] : first_refusals_) lines.push_back(line);
+    for (const auto& [reason, count] : report_.refusals)
+      lines.push_back(std::to_string(count) + " messages refused, " + reason);
+    return lines;
   }
 
   void load_map() {
@@ -222,6 +244,7 @@ class Replay {
   std::unique_ptr<SlamSession> session_;
   Clock::time_point message_start_;
   RunWriter::Summary summary_;
+  std::map<std::string, std::string> first_refusals_;  ///< of each kind: others differ in their stamps
   ReplayReport report_;
 };
 

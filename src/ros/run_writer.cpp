@@ -1,8 +1,11 @@
 #include "kinect_ekf_slam/ros/run_writer.h"
 
+#include <ros/common.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <numeric>
 #include <sstream>
@@ -78,6 +81,39 @@ std::string json_counts(const Map& counts) {
     text += (text.size() > 1 ? ", " : "") + json_string(name) + ": " + std::to_string(count);
   }
   return text + "}";
+}
+
+std::string json_texts(const std::vector<std::string>& texts) {
+  std::string text = "[";
+  for (const std::string& entry : texts) text += (text.size() > 1 ? ", " : "") + json_string(entry);
+  return text + "]";
+}
+
+/// What the program was made from.
+std::string json_versions() {
+  const auto dotted = [](int major, int minor, int patch) {
+    return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch);
+  };
+#ifdef __clang__
+  const std::string compiler = __VERSION__;
+#else
+  const std::string compiler = "GCC " __VERSION__;
+#endif
+  return "{\"kinect_ekf_slam\": " + json_string(PACKAGE_VERSION) +
+         ", \"roscpp\": " + json_string(dotted(ROS_VERSION_MAJOR, ROS_VERSION_MINOR, ROS_VERSION_PATCH)) +
+         ", \"Eigen\": " +
+         json_string(dotted(EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)) +
+         ", \"compiler\": " + json_string(compiler) + "}";
+}
+
+/// The wall clock, ISO 8601.
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  char buffer[32];
+  std::strftime(buffer, sizeof(buffer), "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return buffer;
 }
 
 std::string covariance_header() {
@@ -206,9 +242,10 @@ void RunWriter::write_summary(const std::vector<Landmark3d>& map, const Summary&
   for (const AssociationRow& row : rows_) ++verdicts[to_string(row.verdict)];
   const auto landmarks = std::count_if(map.begin(), map.end(), [](const auto& l) { return l.confirmed; });
   std::ostringstream json;
-  json << "{\n  \"bag\": " << json_string(summary.bag) << ",\n  \"wall_seconds\": " << summary.wall_seconds
-       << ",\n  \"cpu_seconds\": " << summary.cpu_seconds << ",\n  \"data_seconds\": " << summary.data_seconds
-       << ",\n  \"times_real_time\": "
+  json << "{\n  \"bag\": " << json_string(summary.bag) << ",\n  \"finished\": " << json_string(utc_now())
+       << ",\n  \"versions\": " << json_versions() << ",\n  \"warnings\": " << json_texts(summary.warnings)
+       << ",\n  \"wall_seconds\": " << summary.wall_seconds << ",\n  \"cpu_seconds\": " << summary.cpu_seconds
+       << ",\n  \"data_seconds\": " << summary.data_seconds << ",\n  \"times_real_time\": "
        << (summary.wall_seconds > 0.0 ? summary.data_seconds / summary.wall_seconds : 0.0)
        << ",\n  \"frames\": " << frames_ << ",\n  \"detection_frames\": " << detection_frames_
        << ",\n  \"detections\": " << json_counts(verdicts)
@@ -224,9 +261,10 @@ void RunWriter::finish(const std::vector<Landmark3d>& map, const Summary& summar
   associations_.text = to_csv(rows_);
   instant_associations_.text = to_csv(instant_rows_);
   write_landmarks(map);
+  parameters_.text = "# what was given; all else as built in\n" + summary.parameters + "\n";
   write_summary(map, summary);
   for (const File* file : {&trajectory_, &covariance_, &dead_reckoning_, &associations_,
-                           &instant_associations_, &landmarks_, &summary_}) {
+                           &instant_associations_, &landmarks_, &parameters_, &summary_}) {
     write_file_atomically(directory_ + "/" + file->name, file->text);
   }
 }

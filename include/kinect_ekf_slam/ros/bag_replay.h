@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "kinect_ekf_slam/ros/run_options.h"
 
@@ -13,8 +14,8 @@ struct ReplayRequest {
   std::string bag;
   std::string output_directory;  ///< empty: write nothing
   RunOptions options;
-  std::function<void(double)> on_progress;             ///< share done, 0 to 1; may be empty
-  std::function<void(const std::string&)> on_warning;  ///< one line; may be empty
+  std::vector<std::string> warnings;        ///< of the options, one line each, to be kept with the results
+  std::function<void(double)> on_progress;  ///< share done, 0 to 1; may be empty
 };
 
 /// What one replay found, for the last line of a tool.
@@ -25,6 +26,7 @@ struct ReplayReport {
   std::size_t detection_frames = 0;
   std::size_t new_runs = 0;  ///< times that the bag's clock went back; files and map are of the last run
   std::map<std::string, std::uint64_t> refusals;  ///< "input: reason" -> messages refused for it
+  std::vector<std::string> warnings;              ///< what was odd about the bag, one line each
 };
 
 /// Runs a bag through the same session as the live node: no master, no wall clock.

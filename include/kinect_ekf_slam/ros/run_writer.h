@@ -14,10 +14,10 @@
 namespace kinect_ekf_slam {
 
 /// Writes what a run produced as files for evaluation: `trajectory.tum`, `trajectory_covariance.csv`,
-/// `dead_reckoning.tum`, `landmarks.csv` (the confirmed
-/// ones), `associations.csv` (as known at the end), `associations_instant.csv` (as told at once),
-/// `summary.json`. Files appear under their names
-/// only when complete. Throws std::runtime_error, naming the file, when one cannot be written.
+/// `dead_reckoning.tum`, `landmarks.csv` (the confirmed ones), `associations.csv` (as known at the end),
+/// `associations_instant.csv` (as told at once), `parameters.yaml` (as given: the same run again with
+/// `slam_replay --config`) and `summary.json` (counts, times, warnings, versions). Files appear under their
+/// names only when complete. Throws std::runtime_error, naming the file, when one cannot be written.
 class RunWriter {
  public:
   /// `trajectory_rate` in Hz besides the frames with detections; 0: every frame.
@@ -33,6 +33,8 @@ class RunWriter {
 
   struct Summary {
     std::string bag;
+    std::string parameters;             ///< YAML that the run's options were read from
+    std::vector<std::string> warnings;  ///< one line each
     double wall_seconds = 0.0;
     double cpu_seconds = 0.0;
     double data_seconds = 0.0;
@@ -77,6 +79,7 @@ class RunWriter {
   File associations_{"associations.csv", ""};
   File instant_associations_{"associations_instant.csv", ""};
   File landmarks_{"landmarks.csv", ""};
+  File parameters_{"parameters.yaml", ""};
   File summary_{"summary.json", ""};
 };
 
