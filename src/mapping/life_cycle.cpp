@@ -14,6 +14,8 @@ namespace {
 constexpr TimeNs kMergeInterval = 1000000000;
 constexpr double kTogether =
     0.02;  // share of the rarer one's sightings in which duplicates may appear as two
+constexpr double kTwinShare = 0.5;  // seen so much less often than what stands beside it: one seen double
+constexpr double kTwinReach = 1.5;  // merge distances
 constexpr double kLeastDetectionRate = 0.25;  // of what is there, in the looks that should show it
 constexpr double kVisitsApart = 5.0;          // s; looks in vain farther apart belong to different visits
 constexpr int kLooksOfVisit = 3;              // fewer say nothing: one look is missed easily
@@ -32,7 +34,7 @@ template <class Space>
 void LifeCycle<Space>::keep(TimeNs stamp, const std::vector<Observation<Space>>& observations,
                             KalmanSlam<Space>* filter, UpdateReport* report) {
   count_sightings(stamp, filter, report);
-  if (options_.remove_after_visits > 0) count_misses(stamp, observations, filter, *report);
+  if (options_.remove_after_visits > 0) count_misses(stamp, observations, filter, report);
   remove_unlikely(stamp, filter, report);
   if (options_.merge_distance > 0.0 && stamp - last_merged_ >= kMergeInterval) {
     last_merged_ = stamp;
@@ -51,6 +53,10 @@ void LifeCycle<Space>::count_sightings(TimeNs stamp, KalmanSlam<Space>* filter, 
   for (std::size_t i = 0; i < seen.size(); ++i) {
     for (std::size_t j = i + 1; j < seen.size(); ++j) ++seen_together_[{seen[i], seen[j]}];
   }
+  for (auto& [id, record] : records_) {
+    if (record.confirmed) continue;
+    for (const int other : seen) ++record.company[other];
+  }
   for (const Assignment& assignment : report->assignments) {
     if (!is_accepted(assignment.verdict)) continue;
     const int id = assignment.landmark;
@@ -62,12 +68,18 @@ void LifeCycle<Space>::count_sightings(TimeNs stamp, KalmanSlam<Space>* filter, 
     }
     const auto record = records_.find(id);
     if (record == records_.end()) continue;
-    record->second.last_seen = stamp;
-    ++record->second.sightings;
-    record->second.misses_of_visit = 0;
-    record->second.visits_in_vain = 0;
-    if (record->second.confirmed || !deserves_belief(record->second, pose)) continue;
-    record->second.confirmed = true;
+    Record& seen_again = record->second;
+    if (assignment.verdict == Verdict::kMatched && !seen_again.confirmed) ++report->provisional;
+    if (seen_again.sightings > 0 && to_seconds(stamp - seen_again.last_seen) > kVisitsApart)
+      ++seen_again.visits;
+    seen_again.last_seen = stamp;
+    ++seen_again.sightings;
+    seen_again.misses_of_visit = 0;
+    seen_again.visits_in_vain = 0;
+    if (seen_again.confirmed || !deserves_belief(seen_again, pose)) continue;
+    if (is_twin(id, seen_again, *filter)) continue;
+    seen_again.confirmed = true;
+    seen_again.company.clear();
     filter->set_confirmed(id, true);
     report->confirmed.push_back(id);
   }
@@ -78,10 +90,28 @@ bool LifeCycle<Space>::deserves_belief(const Record& record,
                                        const typename Space::Pose& map_from_base) const {
   if (options_.confirm_sightings <= 1) return true;
   if (record.sightings < options_.confirm_sightings) return false;
-  if (record.sightings < kLeastDetectionRate * (record.sightings + record.misses)) return false;
+  if (record.detection_rate() < kLeastDetectionRate) return false;
   if (to_seconds(record.last_seen - record.first_seen) < options_.confirm_time) return false;
   const typename Space::PoseVector motion = (record.first_seen_from.inverse() * map_from_base).log();
   return motion.norm() >= options_.confirm_motion;
+}
+
+template <class Space>
+bool LifeCycle<Space>::is_twin(int id, const Record& record, const KalmanSlam<Space>& filter) const {
+  for (const auto& [other, frames] : record.company) {
+    if (record.sightings > kTwinShare * frames) continue;
+    const std::vector<LandmarkEstimate<Space>> landmarks = filter.landmarks();
+    const auto find = [&](int wanted) {
+      return std::find_if(landmarks.begin(), landmarks.end(),
+                          [&](const auto& landmark) { return landmark.info.id == wanted; });
+    };
+    const auto one = find(id);
+    const auto twin = find(other);
+    if (one == landmarks.end() || twin == landmarks.end()) continue;
+    if ((one->position_in_map - twin->position_in_map).norm() < kTwinReach * options_.merge_distance)
+      return true;
+  }
+  return false;
 }
 
 template <class Space>
@@ -116,9 +146,9 @@ bool LifeCycle<Space>::is_hidden(const typename Space::Point& point_in_base,
 /// A landmark well inside the view that nothing hides should have been seen.
 template <class Space>
 void LifeCycle<Space>::count_misses(TimeNs stamp, const std::vector<Observation<Space>>& observations,
-                                    KalmanSlam<Space>* filter, const UpdateReport& report) {
+                                    KalmanSlam<Space>* filter, UpdateReport* report) {
   std::set<int> seen;
-  for (const Assignment& assignment : report.assignments) {
+  for (const Assignment& assignment : report->assignments) {
     if (assignment.landmark >= 0) seen.insert(assignment.landmark);
   }
   const auto expected = filter->expect(observations);
@@ -126,8 +156,9 @@ void LifeCycle<Space>::count_misses(TimeNs stamp, const std::vector<Observation<
     const auto record = records_.find(expected.info(i).id);
     if (record == records_.end() || seen.count(record->first) > 0) continue;
     const typename Space::Point point = expected.point_in_base(i);
-    if (!is_in_view(point) || is_hidden(point, observations, report.assignments)) continue;
+    if (!is_in_view(point) || is_hidden(point, observations, report->assignments)) continue;
     Record& missed = record->second;
+    if (missed.confirmed) report->missed += missed.detection_rate();
     if (to_seconds(stamp - missed.last_missed) > kVisitsApart) missed.misses_of_visit = 0;
     missed.last_missed = stamp;
     ++missed.misses;
@@ -141,7 +172,8 @@ void LifeCycle<Space>::remove_unlikely(TimeNs stamp, KalmanSlam<Space>* filter, 
   for (const auto& [id, record] : records_) {
     const bool never_confirmed =
         !record.confirmed && to_seconds(stamp - record.last_seen) > options_.forget_after;
-    const int enough = std::min(options_.remove_after_visits, 1 + record.sightings / kSightingsPerVisit);
+    const int support = std::min(record.visits, record.sightings / kSightingsPerVisit);
+    const int enough = std::min(options_.remove_after_visits, 1 + support);
     const bool is_not_there = options_.remove_after_visits > 0 && record.visits_in_vain >= enough;
     if (never_confirmed || is_not_there) unlikely.push_back(id);
   }
@@ -191,6 +223,7 @@ void LifeCycle<Space>::take_over(int dropped_id, int kept_id) {
   if (kept != records_.end()) kept->second.confirmed = kept->second.confirmed || was_confirmed;
   if (dropped != records_.end() && kept != records_.end()) {
     kept->second.sightings += dropped->second.sightings;
+    kept->second.visits = std::max(kept->second.visits, dropped->second.visits);
     kept->second.last_seen = std::max(kept->second.last_seen, dropped->second.last_seen);
   }
   records_.erase(dropped_id);

@@ -54,21 +54,40 @@ Arguments parse(kinect_ekf_slam::CommandLine* words) {
   return arguments;
 }
 
+/// Returns why scans could not be used, as one line; empty: all could.
+std::string detect(rosbag::View* view, const kinect_ekf_slam::LaserCylinderOptions& options,
+                   rosbag::Bag* out) {
+  std::size_t unusable = 0;
+  std::string problem;
+  for (const rosbag::MessageInstance& instance : *view) {
+    const auto message = instance.instantiate<sensor_msgs::LaserScan>();
+    if (!message) continue;  // another type on the same topic
+    try {
+      const auto findings = kinect_ekf_slam::find_cylinders(kinect_ekf_slam::to_scan(*message), options);
+      out->write("/landmarks", instance.getTime(), kinect_ekf_slam::to_message(findings, message->header));
+    } catch (const std::runtime_error& error) {
+      ++unusable;
+      problem = error.what();
+    }
+  }
+  if (unusable == 0) return {};
+  return std::to_string(unusable) + " of " + std::to_string(view->size()) +
+         " scans could not be used; the last one: " + problem;
+}
+
 /// The file appears under its name only when it is complete.
 void convert(const Arguments& arguments) {
   const std::string partial = arguments.out + ".active";  // as rosbag record names what is not complete
   const rosbag::Bag in(arguments.in, rosbag::bagmode::Read);
   rosbag::View view(in, rosbag::TopicQuery(arguments.topic));
   if (view.size() == 0) throw std::runtime_error("holds no scans on " + arguments.topic);
-  rosbag::Bag out(partial, rosbag::bagmode::Write);
-  for (const rosbag::MessageInstance& instance : view) {
-    const auto message = instance.instantiate<sensor_msgs::LaserScan>();
-    if (!message) throw std::runtime_error(arguments.topic + " is no sensor_msgs/LaserScan");
-    const auto findings =
-        kinect_ekf_slam::find_cylinders(kinect_ekf_slam::to_scan(*message), arguments.options);
-    out.write("/landmarks", instance.getTime(), kinect_ekf_slam::to_message(findings, message->header));
+  if (!view.begin()->instantiate<sensor_msgs::LaserScan>()) {
+    throw std::runtime_error(arguments.topic + " is no sensor_msgs/LaserScan");
   }
+  rosbag::Bag out(partial, rosbag::bagmode::Write);
+  const std::string problem = detect(&view, arguments.options, &out);
   out.close();
+  if (!problem.empty()) std::fprintf(stderr, "detect_scans: warning: %s\n", problem.c_str());
   if (std::rename(partial.c_str(), arguments.out.c_str()) != 0) {
     throw std::runtime_error("cannot write " + arguments.out);
   }

@@ -5,6 +5,7 @@
 #include <tf2/buffer_core.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <algorithm>
 #include <chrono>
 #include <ctime>
 #include <memory>
@@ -198,6 +199,17 @@ class Replay {
       lines.push_back("time went back " + std::to_string(report_.new_runs) +
                       " times; the results are of the last run");
     }
+    if (lost_looks_ > 0) {
+      lines.push_back("lost for " + std::to_string(lost_looks_) + " of " +
+                      std::to_string(report_.detection_frames) + " detection messages, from " +
+                      std::to_string(to_seconds(first_lost_)) +
+                      " s on: most of what was seen fitted no landmark");
+    }
+    if (without_room_ > 0) {
+      lines.push_back(std::to_string(without_room_) +
+                      " sightings of new landmarks refused, the map is full: estimator/max_landmarks is " +
+                      std::to_string(request_.options.pipeline.estimator.max_landmarks));
+    }
     for (const auto& [kind, line] : first_refusals_) lines.push_back(line);
     for (const auto& [reason, count] : report_.refusals)
       lines.push_back(std::to_string(count) + " messages refused, " + reason);
@@ -214,6 +226,10 @@ class Replay {
     if (writer_) writer_->add(frame, result);
     if (!result.looked) return;
     ++report_.detection_frames;
+    if (result.localization == Localization::kLost && lost_looks_++ == 0) first_lost_ = frame.stamp;
+    without_room_ +=
+        std::count_if(result.outcomes.begin(), result.outcomes.end(),
+                      [](const DetectionOutcome& outcome) { return outcome.verdict == Verdict::kMapFull; });
     summary_.update_milliseconds.push_back(1e3 * seconds_since(message_start_));
   }
 
@@ -245,6 +261,9 @@ class Replay {
   Clock::time_point message_start_;
   RunWriter::Summary summary_;
   std::map<std::string, std::string> first_refusals_;  ///< of each kind: others differ in their stamps
+  std::size_t lost_looks_ = 0;  ///< detection messages while the robot was not where it believed to be
+  TimeNs first_lost_ = 0;
+  std::ptrdiff_t without_room_ = 0;  ///< sightings that a full map refused
   ReplayReport report_;
 };
 

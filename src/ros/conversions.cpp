@@ -117,7 +117,9 @@ Detection to_detection(const LandmarkDetection& message, const Eigen::Isometry3d
   detection.signature.source_id = message.id < 0 ? kNoId : message.id;
   detection.signature.label = message.label;
   detection.signature.radius = std::isfinite(message.radius) && message.radius > 0.0F ? message.radius : 0.0;
-  detection.signature.descriptor = message.descriptor;
+  const bool has_descriptor = std::all_of(message.descriptor.begin(), message.descriptor.end(),
+                                          [](float number) { return std::isfinite(number); });
+  if (has_descriptor) detection.signature.descriptor = message.descriptor;
   detection.score = message.score;
   return detection;
 }

@@ -12,6 +12,9 @@ LaserScan to_scan(const sensor_msgs::LaserScan& message) {
       message.angle_increment == 0.0F) {
     throw std::runtime_error("the scan's angles are no numbers");
   }
+  if (!(message.range_min < message.range_max)) {
+    throw std::runtime_error("the scan's range_min is not below its range_max");
+  }
   LaserScan scan;
   scan.ranges = message.ranges;
   scan.angle_min = message.angle_min;

@@ -176,6 +176,16 @@ TEST_F(BagReplay, CountsAndTellsWhatItRefuses) {
   EXPECT_LE(report.warnings.size(), 4U) << "the first of each kind alone";
 }
 
+TEST_F(BagReplay, SaysThatTheMapIsFull) {
+  write_run();
+  set({"estimator/max_landmarks=1"});
+  const ReplayReport report = replay_bag(request_);
+  const std::string end = "new landmarks refused, the map is full: estimator/max_landmarks is 1";
+  EXPECT_EQ(std::count_if(report.warnings.begin(), report.warnings.end(),
+                          [&](const std::string& line) { return line.find(end) != std::string::npos; }),
+            1);
+}
+
 TEST_F(BagReplay, KeepsWhatItRanWithAndWhatItWarnedOf) {
   write_run();
   set({"estimator/type=ukf"});

@@ -44,6 +44,10 @@ struct UpdateReport {
   double nis = std::numeric_limits<double>::quiet_NaN();  ///< nu^T S^-1 nu of the joint update, before it
   int dof = 0;                                            ///< of the joint update, 0: none took place
 
+  // Whether the robot is where it believes to be, beside the assignments.
+  int provisional = 0;  ///< matches of landmarks that are not believed in yet: they say nothing
+  double missed = 0.0;  ///< sum of the detection rates of the believed landmarks that were looked for in vain
+
   // What it did to the map, and to what was believed before; landmarks by their ids.
   std::vector<int> confirmed;
   std::vector<int> removed;                 ///< nothing stands there

@@ -35,16 +35,21 @@ class LifeCycle {
     bool confirmed = false;
     TimeNs last_seen = 0;
     int sightings = 0;
+    int visits = 1;  ///< with sightings, far apart in time
     int misses = 0;  ///< looks that should have shown it and did not
     // The same since it was last seen.
     TimeNs last_missed = 0;
     int misses_of_visit = 0;
     int visits_in_vain = 0;
+    /// While it is provisional: frames with sightings of others since it was first seen, by their ids.
+    std::map<int, int> company;
+
+    double detection_rate() const { return static_cast<double>(sightings) / (sightings + misses); }
   };
 
   void count_sightings(TimeNs stamp, KalmanSlam<Space>* filter, UpdateReport* report);
   void count_misses(TimeNs stamp, const std::vector<Observation<Space>>& observations,
-                    KalmanSlam<Space>* filter, const UpdateReport& report);
+                    KalmanSlam<Space>* filter, UpdateReport* report);
   void remove_unlikely(TimeNs stamp, KalmanSlam<Space>* filter, UpdateReport* report);
   /// What was known of a landmark that turned out to be another one.
   void take_over(int dropped_id, int kept_id);
@@ -54,6 +59,7 @@ class LifeCycle {
   bool is_hidden(const typename Space::Point& point_in_base,
                  const std::vector<Observation<Space>>& observations,
                  const std::vector<Assignment>& assignments) const;
+  bool is_twin(int id, const Record& record, const KalmanSlam<Space>& filter) const;
   bool deserves_belief(const Record& record, const typename Space::Pose& map_from_base) const;
 
   LifeCycleOptions options_;

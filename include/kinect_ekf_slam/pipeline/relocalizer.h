@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -42,15 +43,20 @@ class Relocalizer {
     return found;
   }
 
-  /// Whether what is seen fits the map. A landmark that is new fits neither well nor badly.
+  /// Whether what is seen fits the map, and what should be seen is. A landmark that is new fits neither well
+  /// nor badly.
   void judge(const UpdateReport& report) {
     constexpr double kMemory = 20.0;     // sightings
     constexpr double kFewestFits = 0.3;  // share; clutter alone leaves more
     constexpr double kEnoughFits = 0.6;
+    double fits = -report.provisional;
+    double misfits = report.missed;
     for (const Assignment& assignment : report.assignments) {
       if (assignment.verdict == Verdict::kCreated) continue;
-      fit_ += ((assignment.verdict == Verdict::kMatched ? 1.0 : 0.0) - fit_) / kMemory;
+      (assignment.verdict == Verdict::kMatched ? fits : misfits) += 1.0;
     }
+    const double told = fits + misfits;
+    if (told > 0.0) fit_ += (fits / told - fit_) * std::min(1.0, told / kMemory);
     lost_ = fit_ < (lost_ ? kEnoughFits : kFewestFits);
   }
   /// True when most of the last sightings fit no landmark of the map.

@@ -9,7 +9,7 @@
 
 namespace kinect_ekf_slam {
 
-/// Throws std::runtime_error when the angles are no numbers.
+/// Throws std::runtime_error when the angles are no numbers or the ranges leave nothing.
 LaserScan to_scan(const sensor_msgs::LaserScan& message);
 
 /// `header` is that of the picture or scan.

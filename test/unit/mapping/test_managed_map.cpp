@@ -145,6 +145,23 @@ TEST(ManagedMap, WhatADuplicateWasSeenTogetherWithStaysTwo) {
   EXPECT_EQ(keeper.in_map(), 2U) << "the duplicate and the first are one, and not the other";
 }
 
+TEST(ManagedMap, WhatIsSeenDoubleNowAndThenIsOne) {
+  LifeCycleOptions options = careful();
+  options.merge_distance = 0.5;
+  options.confirm_motion = 0.0;
+  Keeper keeper(options, true);
+  const auto one = seen<Planar>({1.0, 0.0}, 1, 0.1);
+  const auto other = seen<Planar>({1.0, 0.3}, 2, 0.1);
+  const auto look = [&](const std::vector<Observation<Planar>>& observations) {
+    keeper.map->observe(to_nanoseconds(keeper.seconds += 0.1), observations);
+  };
+  for (int i = 0; i < 60; ++i)
+    look(i % 3 == 1 ? std::vector<Observation<Planar>>{one, other} : std::vector<Observation<Planar>>{one});
+  EXPECT_EQ(keeper.believed(), 1U);
+  for (int i = 0; i < 60; ++i) look({one, other});
+  EXPECT_EQ(keeper.believed(), 2U) << "two that are seen as often as each other";
+}
+
 TEST(ManagedMap, ALoadedMapKnowsNothingOfWhatWasSeenBefore) {
   Keeper keeper(merging(), true);
   for (int i = 0; i < 5; ++i) look_at_both(&keeper, true);
@@ -172,11 +189,32 @@ TEST(ManagedMap, RemovesWhatAVisitLooksForInVain) {
 
   Keeper supported(removing());
   for (int i = 0; i < 20; ++i) supported.look({{1.5, 0.0}});
+  supported.seconds += 10.0;  // the next visit
+  for (int i = 0; i < 20; ++i) supported.look({{1.5, 0.0}});
   for (const std::size_t left : {1U, 1U, 0U}) {
     supported.look_in_vain(5);
     EXPECT_EQ(supported.in_map(), left);
-    supported.seconds += 10.0;  // the next visit
+    supported.seconds += 10.0;
   }
+
+  Keeper seen_once(removing());
+  for (int i = 0; i < 20; ++i) seen_once.look({{1.5, 0.0}});
+  for (const std::size_t left : {1U, 0U}) {
+    seen_once.look_in_vain(5);
+    EXPECT_EQ(seen_once.in_map(), left) << "many sightings of one visit are one error, if it lasted";
+    seen_once.seconds += 10.0;
+  }
+}
+
+TEST(ManagedMap, TellsWhatItLookedForInVainByHowOftenItWasSeen) {
+  Keeper keeper(removing());
+  for (int i = 0; i < 4; ++i) keeper.look({{1.5, 0.0}});
+  EXPECT_EQ(keeper.look({{1.5, 0.0}}).missed, 0.0);
+  EXPECT_NEAR(keeper.look({}).missed, 1.0, 1e-9);
+  EXPECT_NEAR(keeper.look({}).missed, 5.0 / 6.0, 1e-9);
+  Keeper unsure(careful());
+  unsure.look({{1.5, 0.0}});
+  EXPECT_EQ(unsure.look({{1.5, 0.0}}).provisional, 1);
 }
 
 TEST(ManagedMap, DoesNotMissWhatIsHiddenOrOutOfView) {

@@ -398,6 +398,30 @@ TEST(SlamPipeline, NoticesByItselfThatTheRobotWasCarriedAway) {
   EXPECT_TRUE(testing::PoseNear(Planar::pose_from_3d(result.pose.map_from_base), truth, 0.1));
 }
 
+/// Here it begins to map the place anew, and what it maps fits what it sees.
+TEST(SlamPipeline, SaysThatItIsLostWhenWhatItKnowsIsNotThere) {
+  PipelineOptions options = wide_open();
+  options.association.type = AssociationOptions::Type::kNearestNeighbor;
+  options.life_cycle.confirm_sightings = 5;
+  options.life_cycle.confirm_motion = 0.0;
+  options.life_cycle.confirm_time = 3.0;
+  options.life_cycle.remove_after_visits = 4;
+  options.life_cycle.field_of_view_deg = 360.0;
+  options.life_cycle.view_range = 10.0;
+  const auto pipeline = make_pipeline(options);
+  const auto look = [&](double seconds, double aside) {
+    std::vector<Detection> detections;
+    for (const Eigen::Vector2d& place : kCylinders) {
+      detections.push_back(detection(place.x() + aside, place.y() + aside, kNoId, 0.02));
+    }
+    return pipeline->process(detection_frame(seconds, detections)).localization;
+  };
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(look(0.1 * i, 0.0), Localization::kTracking);
+  bool is_lost = false;
+  for (int i = 50; i < 80 && !is_lost; ++i) is_lost = look(0.1 * i, 0.7) == Localization::kLost;
+  EXPECT_TRUE(is_lost);
+}
+
 TEST(SlamPipeline, LooksForTheRobotOnlyInAMapThatStays) {
   const auto pipeline = make_pipeline(wide_open());
   EXPECT_THROW(pipeline->relocalize(), std::invalid_argument);

@@ -121,6 +121,13 @@ TEST(ToDetection, CarriesWhatTheDetectorSays) {
   EXPECT_EQ(taken.score, 0.5);
 }
 
+/// One of them would spoil all comparisons with the landmark's.
+TEST(ToDetection, ADescriptorWithoutNumbersIsNone) {
+  LandmarkDetection message = detection(2.0, 0.0, 0.0);
+  message.descriptor = {1.0F, std::numeric_limits<float>::quiet_NaN()};
+  EXPECT_TRUE(to_detection(message, Eigen::Isometry3d::Identity(), false).signature.descriptor.empty());
+}
+
 TEST(ToDetection, AnyNegativeIdentityIsNone) {
   LandmarkDetection message = detection(2.0, 0.0, 0.0);
   message.id = -7;
