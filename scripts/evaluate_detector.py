@@ -6,10 +6,10 @@ tens; 0 none), and truth.csv (frame,label,class,x,y,z,radius,height): class `upr
 its axis point at half its height in the optical frame (m), `no` is none, `optional` may be found or not.
 """
 import csv
-import glob
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 
@@ -18,7 +18,8 @@ if __name__ == "__main__":
     from slam_tools.environment import use_system_python
     use_system_python()
 
-import matplotlib.pyplot as plt
+import numpy as np
+from PIL import Image
 
 from slam_tools import cli
 from slam_tools.environment import executable, package_file
@@ -33,20 +34,34 @@ keys of the JSON file
 """
 
 
+def finite(text):
+    if not math.isfinite(float(text)):
+        raise ValueError(text)
+    return float(text)
+
+
 def read_truth(folder):
     """{frame: [row of truth.csv, with numbers where there are some]}."""
     path = os.path.join(folder, "truth.csv")
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise cli.InputError(f"{path}: not a table as text: {error}") from None
+    if not rows:
+        raise cli.InputError(f"{path}: holds no frames")
     frames = {}
-    with open(path, newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            try:
-                entry = {"class": row["class"], "label": int(row["label"])}
-                if entry["class"] == "upright":
-                    entry["center"] = [float(row[axis]) for axis in "xyz"]
-                    entry["radius"] = float(row["radius"])
-                frames.setdefault(row["frame"], []).append(entry)
-            except (KeyError, TypeError, ValueError):
-                raise cli.InputError(f"{path}: {row}: needed: frame,label,class,x,y,z,radius,height") from None
+    for row in rows:
+        try:
+            entry = {"class": row["class"], "label": int(row["label"])}
+            if entry["class"] == "upright":
+                entry["center"] = [finite(row[axis]) for axis in "xyz"]
+                entry["radius"] = finite(row["radius"])
+            if not re.fullmatch(r"[\w.-]+", row["frame"]):
+                raise ValueError(row["frame"])
+            frames.setdefault(row["frame"], []).append(entry)
+        except (KeyError, TypeError, ValueError):
+            raise cli.InputError(f"{path}: {row}: needed: frame,label,class,x,y,z,radius,height") from None
     return frames
 
 
@@ -67,7 +82,14 @@ class Labels:
     def __init__(self, folder, frame, camera):
         self.fx, self.fy, self.cx, self.cy = camera
         path = os.path.join(folder, f"{frame}_label.png")
-        self.image = (plt.imread(path) * 65535.0).round().astype(int) if os.path.exists(path) else None
+        self.image = None
+        if os.path.exists(path):
+            try:
+                self.image = np.array(Image.open(path)).astype(int)
+            except (OSError, SyntaxError) as error:
+                raise cli.InputError(f"{path}: not a readable picture: {error}") from None
+            if self.image.ndim != 2:
+                raise cli.InputError(f"{path}: in colour, needed: numbers of objects as grey levels")
 
     def object_at(self, position):
         """Number of the object that a point of the optical frame is seen on, tens; 0: none."""

@@ -29,7 +29,7 @@ packages=(
   python3-rosparam python3-rospy python3-tf2-ros python3-dynamic-reconfigure python3-std-msgs
   python3-geometry-msgs python3-nav-msgs python3-sensor-msgs python3-stereo-msgs python3-std-srvs python3-visualization-msgs
   python3-diagnostic-msgs python3-tf2-msgs python3-rosgraph-msgs
-  python3-numpy python3-matplotlib python3-yaml python3-jinja2
+  python3-numpy python3-matplotlib python3-pil python3-yaml python3-jinja2
   # launch files, pictures and the demo
   tf2-tools rviz xvfb xauth x11-utils libgl1-mesa-dri libgl1 imagemagick fonts-dejavu-core
   # tests

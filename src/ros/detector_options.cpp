@@ -21,6 +21,13 @@ void visit_inputs(ParameterVisitor& v, DetectorOptions& o) {
   v.integer("input/queue_size", &o.queue_size, 1, 1000, "messages", "that wait for their partners");
 }
 
+/// Bounds that leave nothing between them are refused.
+void check_order(const std::string& group, const std::string& what, double min, double max) {
+  if (min < max) return;
+  throw ParameterError(group + "/min_" + what + ": " + text_of(min) + " given, allowed: less than " + group +
+                       "/max_" + what + ", " + text_of(max));
+}
+
 void visit(ParameterVisitor& v, KinectCylinderOptions& o) {
   double min_arc_deg = degrees(o.min_arc);
   v.number("kinect_cylinder/min_depth", &o.min_depth, 0.1, 20.0, "m", "nearer readings are not used");
@@ -35,10 +42,9 @@ void visit(ParameterVisitor& v, KinectCylinderOptions& o) {
   v.number("kinect_cylinder/max_taper", &o.max_taper, 0.0, 10.0, "-", "change of radius over height");
   v.integer("kinect_cylinder/stride", &o.stride, 1, 8, "pixels", "every so many are looked at");
   o.min_arc = radians(min_arc_deg);
-  if (!(o.radius.min < o.radius.max)) {
-    throw ParameterError("kinect_cylinder/min_radius: " + text_of(o.radius.min) +
-                         " given, allowed: less than kinect_cylinder/max_radius, " + text_of(o.radius.max));
-  }
+  check_order("kinect_cylinder", "radius", o.radius.min, o.radius.max);
+  check_order("kinect_cylinder", "depth", o.min_depth, o.max_depth);
+  check_order("kinect_cylinder", "height", o.min_height, o.max_height);
 }
 
 void visit(ParameterVisitor& v, LaserCylinderOptions& o) {
@@ -52,10 +58,7 @@ void visit(ParameterVisitor& v, LaserCylinderOptions& o) {
   v.number("laser_cylinder/max_misfit", &o.max_misfit, 0.1, 100.0, "-",
            "mean squared residual over its variance");
   o.min_arc = radians(min_arc_deg);
-  if (!(o.radius.min < o.radius.max)) {
-    throw ParameterError("laser_cylinder/min_radius: " + text_of(o.radius.min) +
-                         " given, allowed: less than laser_cylinder/max_radius, " + text_of(o.radius.max));
-  }
+  check_order("laser_cylinder", "radius", o.radius.min, o.radius.max);
 }
 
 void visit(ParameterVisitor& v, FiducialOptions& o) {
@@ -88,6 +91,7 @@ void visit(ParameterVisitor& v, FeatureOptions& o) {
             "in which lost features are looked for");
   v.number("features/min_depth", &o.min_depth, 0.01, 100.0, "m", "nearer readings are not used");
   v.number("features/max_depth", &o.max_depth, 0.1, 100.0, "m", "farther readings are not used");
+  check_order("features", "depth", o.min_depth, o.max_depth);
   v.number(
       "features/depth_sigma_per_m", &o.noise.sigma_per_m, 1e-6, 1.0, "1/m",
       "sigma of a depth over its square; of a stereo camera: that of its disparity over f times baseline");

@@ -160,6 +160,11 @@ void LandmarkDetectorNode::on_live_change(const DetectorConfig& config) {
     ROS_WARN("A change of the detector's parameters is not a number and was not taken.");
     return;
   }
+  if (config.kinect_cylinder_min_height >= config.kinect_cylinder_max_height ||
+      config.kinect_cylinder_max_depth <= options_.kinect_cylinder.min_depth) {
+    ROS_WARN("A change of the detector's parameters leaves no heights or no depths and was not taken.");
+    return;
+  }
   for_each_live(options_, config, [](auto& option, const auto& live) { option = live; });
   if (pictures_) pictures_->set_options(options_);
 }

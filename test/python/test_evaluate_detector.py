@@ -34,6 +34,18 @@ class EvaluateDetector(unittest.TestCase):
             support.write(folder, "truth.csv", "frame,label\nlearn33,20\n")
             process = support.run_script("evaluate_detector.py", folder)
             support.assert_one_line_error(self, process, "truth.csv", "needed")
+            for row in ("a,20,upright,nan,0,1,0.05,0.1\n", "../a,20,upright,0,0,1,0.05,0.1\n",
+                        '"a""b",20,upright,0,0,1,0.05,0.1\n'):
+                support.write(folder, "truth.csv", HEADER + row)
+                process = support.run_script("evaluate_detector.py", folder)
+                support.assert_one_line_error(self, process, "truth.csv", "needed")
+            support.write(folder, "truth.csv", HEADER)
+            process = support.run_script("evaluate_detector.py", folder)
+            support.assert_one_line_error(self, process, "truth.csv", "holds no frames")
+            with open(os.path.join(folder, "truth.csv"), "wb") as file:
+                file.write(b"\xff\xfe\x00")
+            process = support.run_script("evaluate_detector.py", folder)
+            support.assert_one_line_error(self, process, "truth.csv", "not a table")
             support.write(folder, "truth.csv", HEADER + "a,20,upright,0,0,1,0.05,0.1\n")
             process = support.run_script("evaluate_detector.py", folder)
             support.assert_one_line_error(self, process, "a_rgb.png", "cannot be read")
