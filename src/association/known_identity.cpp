@@ -26,8 +26,15 @@ KnownIdentity<Space>::KnownIdentity(const AssociationOptions& options)
 template <class Space>
 std::vector<Assignment> KnownIdentity<Space>::associate(
     const typename Associator<Space>::Observations& observations, const PredictedMap<Space>& map) const {
-  std::unordered_map<int, int> landmark_of_identity;
-  for (int i = 0; i < map.size(); ++i) landmark_of_identity[map.info(i).source_id] = i;
+  constexpr int kNone = -1;
+  std::unordered_map<int, int> landmark_of_identity;  // of those that are seen
+  for (const Observation<Space>& observation : observations) {
+    landmark_of_identity.emplace(observation.signature.source_id, kNone);
+  }
+  for (int i = 0; i < map.size(); ++i) {
+    const auto seen = landmark_of_identity.find(map.info(i).source_id);
+    if (seen != landmark_of_identity.end()) seen->second = i;
+  }
 
   std::vector<Assignment> assignments(observations.size());
   std::unordered_map<int, std::size_t> holder_of_identity;
@@ -39,14 +46,14 @@ std::vector<Assignment> KnownIdentity<Space>::associate(
       assignment.verdict = Verdict::kNoIdentity;
       continue;
     }
-    const auto known = landmark_of_identity.find(identity);
-    if (known == landmark_of_identity.end()) {
+    const int known = landmark_of_identity.at(identity);
+    if (known == kNone) {
       assignment.verdict = Verdict::kCreated;
     } else {
-      assignment.landmark = known->second;
-      const auto distance = squared_mahalanobis<Space::kPointDim>(
-          observation.position_in_base - map.point_in_base(known->second),
-          map.covariance(known->second) + observation.covariance);
+      assignment.landmark = known;
+      const auto distance =
+          squared_mahalanobis<Space::kPointDim>(observation.position_in_base - map.point_in_base(known),
+                                                map.covariance(known) + observation.covariance);
       assignment.squared_distance = distance.value_or(assignment.squared_distance);
       assignment.verdict = !distance           ? Verdict::kSingular
                            : *distance < gate_ ? Verdict::kMatched

@@ -20,6 +20,7 @@ CompressedEkf<Space>::CompressedEkf(const EstimatorOptions& options,
 
 template <class Space>
 typename CompressedEkf<Space>::Expectation CompressedEkf<Space>::expect(const Observations& observations) {
+  pending_.advance(&whole_.covariance());
   if (!observations.empty()) {
     const Point travelled = state_.map_from_base().translation() - centre_;
     if (travelled.norm() > options_.active_hysteresis * options_.active_radius) {
@@ -48,13 +49,19 @@ int CompressedEkf<Space>::index_of(int id) {
 /// The constraint touches the whole map: it is put upon the whole, and the region begins anew.
 template <class Space>
 bool CompressedEkf<Space>::merge(int kept_id, int dropped_id, double gate) {
-  update_whole();
+  finish_whole();
   std::vector<int> all(static_cast<std::size_t>(whole_.landmark_count()));
   std::iota(all.begin(), all.end(), 0);
   activate(std::move(all));
   const bool merged = Base::merge(kept_id, dropped_id, gate);
   restore(state_.snapshot());
   return merged;
+}
+
+template <class Space>
+void CompressedEkf<Space>::finish_whole() {
+  update_whole();
+  pending_.finish(&whole_.covariance());
 }
 
 template <class Space>
@@ -78,8 +85,10 @@ std::vector<int> CompressedEkf<Space>::choose_active(const std::set<int>& others
 template <class Space>
 void CompressedEkf<Space>::activate(std::vector<int> landmarks) {
   active_ = std::move(landmarks);
-  state_ = whole_.marginal(active_);
-  deferred_.start(whole_, active_);
+  Eigen::MatrixXd columns = whole_.columns(active_);
+  pending_.correct_columns(whole_.covariance(), active_, &columns);
+  state_ = whole_.marginal(active_, columns);
+  deferred_.start(whole_.landmark_count(), active_, std::move(columns));
 
   centre_ = whole_.map_from_base().translation();
   passive_.clear();
@@ -162,7 +171,7 @@ void CompressedEkf<Space>::insert_landmark(LandmarkInfo info, const Point& landm
 
 template <class Space>
 void CompressedEkf<Space>::remove_landmark(int index) {
-  update_whole();
+  finish_whole();
   whole_.remove_landmark(active_[index]);
   std::vector<int> rest = active_;
   rest.erase(rest.begin() + index);
@@ -171,17 +180,19 @@ void CompressedEkf<Space>::remove_landmark(int index) {
 }
 
 template <class Space>
-void CompressedEkf<Space>::corrected(const std::vector<Match>& matches, const Eigen::LLT<Eigen::MatrixXd>& S,
-                                     const Eigen::MatrixXd& weighted, const Eigen::VectorXd& whitened) {
+void CompressedEkf<Space>::corrected(const std::vector<Match>& matches,
+                                     const Eigen::Ref<const Eigen::MatrixXd>& L,
+                                     const Eigen::Ref<const Eigen::MatrixXd>& weighted,
+                                     const Eigen::Ref<const Eigen::VectorXd>& whitened) {
   if (passive_.empty()) return;
   const Eigen::MatrixXd& phi = deferred_.phi();
-  Eigen::MatrixXd L_H_phi(whitened.size(), phi.cols());  // L^-1 H phi
+  Eigen::Map<Eigen::MatrixXd> L_H_phi = L_H_phi_.matrix(whitened.size(), phi.cols());  // L^-1 H phi
   for (std::size_t j = 0; j < matches.size(); ++j) {
-    L_H_phi.middleRows<kPointDim>(kPointDim * j) =
+    L_H_phi.middleRows<kPointDim>(kPointDim * j).noalias() =
         H_[j].by_pose * phi.topRows<kPoseDim>() +
         H_[j].by_landmark * phi.middleRows<kPointDim>(state_.row(matches[j].landmark));
   }
-  S.matrixL().solveInPlace(L_H_phi);
+  L.template triangularView<Eigen::Lower>().solveInPlace(L_H_phi);
   deferred_.correct(weighted, whitened, L_H_phi, map_fixed_);
 }
 
@@ -190,7 +201,10 @@ std::vector<LandmarkEstimate<Space>> CompressedEkf<Space>::landmarks() const {
   std::vector<LandmarkEstimate<Space>> estimates(map_size());
   for (const Passive& passive : passive_) {
     const int i = passive.landmark;
-    estimates[i] = {whole_.info(i), deferred_.landmark(whole_, i), deferred_.landmark_covariance(whole_, i)};
+    PointMatrix covariance = whole_.landmark_covariance(i);
+    pending_.correct_covariance(whole_.covariance(), i, &covariance);
+    estimates[i] = {whole_.info(i), deferred_.landmark(whole_, i),
+                    deferred_.landmark_covariance(covariance, i)};
   }
   for (int j = 0; j < state_.landmark_count(); ++j) {
     estimates[active_[j]] = {state_.info(j), state_.landmark(j), state_.landmark_covariance(j)};
@@ -201,14 +215,17 @@ std::vector<LandmarkEstimate<Space>> CompressedEkf<Space>::landmarks() const {
 template <class Space>
 SlamState<Space> CompressedEkf<Space>::snapshot() const {
   GaussianState<Space> whole = whole_;
-  deferred_.apply(active_, state_, &whole);
+  PendingUpdates<Space> pending = pending_;
+  deferred_.apply(active_, state_, &whole, &pending);
+  pending.finish(&whole.covariance());
   return whole.snapshot();
 }
 
 template <class Space>
 void CompressedEkf<Space>::restore(const SlamState<Space>& state) {
   Base::restore(state);
-  whole_ = state_;
+  whole_ = std::move(state_);
+  pending_.clear();
   activate(choose_active({}));
 }
 
@@ -222,7 +239,7 @@ void CompressedEkf<Space>::set_pose(const PoseEstimate<Space>& pose) {
 template <class Space>
 void CompressedEkf<Space>::set_map_fixed(bool fixed) {
   if (fixed && !map_fixed_) {
-    update_whole();
+    finish_whole();
     activate(active_);
   }
   Base::set_map_fixed(fixed);

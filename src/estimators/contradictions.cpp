@@ -1,7 +1,6 @@
 #include "kinect_ekf_slam/estimators/contradictions.h"
 
 #include <algorithm>
-#include <set>
 
 namespace kinect_ekf_slam {
 
@@ -9,15 +8,21 @@ std::vector<std::size_t> Contradictions::misplaced(const std::vector<Assignment>
                                                    const std::function<int(int)>& observations_of) {
   std::vector<std::size_t> misplaced;
   if (replace_after_ == 0) return misplaced;
-  std::set<int> settled;  // a message counts once for a landmark, and not against one that it matched as well
   for (const Assignment& assignment : assignments) {
-    if (assignment.verdict != Verdict::kMatched) continue;
-    settled.insert(assignment.landmark);
-    forget(assignment.landmark);
+    if (assignment.verdict == Verdict::kMatched) forget(assignment.landmark);
   }
+  // A message counts once for a landmark, and not against one that it matched as well.
+  const auto is_settled = [&](std::size_t k) {
+    for (std::size_t other = 0; other < assignments.size(); ++other) {
+      if (assignments[other].landmark != assignments[k].landmark) continue;
+      if (assignments[other].verdict == Verdict::kMatched) return true;
+      if (assignments[other].verdict == Verdict::kOutsideGate && other < k) return true;
+    }
+    return false;
+  };
   for (std::size_t k = 0; k < assignments.size(); ++k) {
     const auto& [verdict, landmark, squared_distance] = assignments[k];
-    if (verdict != Verdict::kOutsideGate || landmark < 0 || !settled.insert(landmark).second) continue;
+    if (verdict != Verdict::kOutsideGate || landmark < 0 || is_settled(k)) continue;
     if (++in_a_row_[landmark] < std::max(replace_after_, observations_of(landmark))) continue;
     forget(landmark);
     misplaced.push_back(k);

@@ -2,15 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace kinect_ekf_slam {
 
 template <class Space>
-void DeferredUpdate<Space>::start(const GaussianState<Space>& whole, const std::vector<int>& active) {
-  const bool is_whole = static_cast<int>(active.size()) == whole.landmark_count();
-  const int rows = GaussianState<Space>::row(static_cast<int>(active.size()));
+void DeferredUpdate<Space>::start(int landmarks, const std::vector<int>& active, Eigen::MatrixXd columns) {
+  const bool is_whole = static_cast<int>(active.size()) == landmarks;
+  const int rows = static_cast<int>(columns.cols());
   const int kept = is_whole ? 0 : rows;
-  columns_ = is_whole ? Eigen::MatrixXd(whole.size(), 0) : whole.columns(active);
+  columns_ = std::move(columns);
+  if (is_whole) columns_.resize(columns_.rows(), 0);
   start_.resize(kept, kept);
   if (!is_whole) {
     GaussianState<Space>::for_each_block(active, [&](int row, int in_part, int count) {
@@ -41,8 +43,9 @@ void DeferredUpdate<Space>::add_landmark(const PointByPose& by_pose) {
 }
 
 template <class Space>
-void DeferredUpdate<Space>::correct(const Eigen::MatrixXd& weighted, const Eigen::VectorXd& whitened,
-                                    const Eigen::MatrixXd& L_H_phi, bool map_fixed) {
+void DeferredUpdate<Space>::correct(const Eigen::Ref<const Eigen::MatrixXd>& weighted,
+                                    const Eigen::Ref<const Eigen::VectorXd>& whitened,
+                                    const Eigen::Ref<const Eigen::MatrixXd>& L_H_phi, bool map_fixed) {
   if (map_fixed) {
     phi_.template topRows<kPoseDim>().noalias() -= weighted.template topRows<kPoseDim>() * L_H_phi;
     return;
@@ -54,10 +57,8 @@ void DeferredUpdate<Space>::correct(const Eigen::MatrixXd& weighted, const Eigen
 
 template <class Space>
 void DeferredUpdate<Space>::apply(const std::vector<int>& active, const GaussianState<Space>& state,
-                                  GaussianState<Space>* whole) const {
-  if (theta_.size() > 0) {  // (9.8) and (9.9); the rows of a are written below
-    const Eigen::MatrixXd weighted = columns_ * psi_.template selfadjointView<Eigen::Lower>();
-    whole->lower().template triangularView<Eigen::Lower>() -= weighted * columns_.transpose();
+                                  GaussianState<Space>* whole, PendingUpdates<Space>* pending) const {
+  if (theta_.size() > 0) {  // (9.9); the landmarks of a are written below
     for (int i = 0; i < whole->landmark_count(); ++i) whole->set_landmark(i, landmark(*whole, i));
   }
   whole->set_map_from_base(state.map_from_base());
@@ -71,11 +72,13 @@ void DeferredUpdate<Space>::apply(const std::vector<int>& active, const Gaussian
 
   Eigen::MatrixXd columns(whole->size(), state.size());
   columns.topRows(columns_.rows()).noalias() = columns_ * phi_.transpose();  // (9.7)
-  const Eigen::MatrixXd P_aa = state.lower().template selfadjointView<Eigen::Lower>();
+  const Eigen::MatrixXd P_aa = state.covariance().dense();
   GaussianState<Space>::for_each_block(active, [&](int row, int in_part, int count) {
     columns.middleRows(row, count) = P_aa.middleRows(in_part, count);
   });
   whole->set_columns(active, columns);
+  if (!psi_.isZero(0.0)) pending->add(columns_, psi_.template selfadjointView<Eigen::Lower>());
+  pending->settle(active);
 }
 
 template <class Space>
@@ -84,11 +87,11 @@ typename Space::Point DeferredUpdate<Space>::landmark(const GaussianState<Space>
 }
 
 template <class Space>
-typename Space::PointMatrix DeferredUpdate<Space>::landmark_covariance(const GaussianState<Space>& whole,
+typename Space::PointMatrix DeferredUpdate<Space>::landmark_covariance(const PointMatrix& at_start,
                                                                        int index) const {
   const auto columns = columns_of(index);
   const PointMatrix learnt = columns * (psi_.template selfadjointView<Eigen::Lower>() * columns.transpose());
-  return whole.landmark_covariance(index) - PointMatrix(learnt.template selfadjointView<Eigen::Lower>());
+  return at_start - PointMatrix(learnt.template selfadjointView<Eigen::Lower>());
 }
 
 template <class Space>

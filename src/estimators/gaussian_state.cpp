@@ -1,26 +1,12 @@
 #include "kinect_ekf_slam/estimators/gaussian_state.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace kinect_ekf_slam {
 
 template <class Space>
-GaussianState<Space>::GaussianState(const PoseEstimate<Space>& initial) : covariance_(kPoseDim, kPoseDim) {
+GaussianState<Space>::GaussianState(const PoseEstimate<Space>& initial) : covariance_(kPoseDim) {
   set_pose(initial);
-}
-
-template <class Space>
-typename Space::PoseMatrix GaussianState<Space>::pose_covariance() const {
-  return covariance_.topLeftCorner<kPoseDim, kPoseDim>().template selfadjointView<Eigen::Lower>();
-}
-
-template <class Space>
-typename Space::PointMatrix GaussianState<Space>::landmark_covariance(int a, int b) const {
-  if (a < b) return landmark_covariance(b, a).transpose();
-  PointMatrix block = covariance_.block<kPointDim, kPointDim>(row(a), row(b));
-  if (a == b) return PointMatrix(block.template selfadjointView<Eigen::Lower>());
-  return block;
 }
 
 template <class Space>
@@ -35,35 +21,31 @@ std::vector<LandmarkEstimate<Space>> GaussianState<Space>::landmarks() const {
 
 template <class Space>
 Eigen::MatrixXd GaussianState<Space>::columns(const std::vector<int>& landmarks) const {
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(size(), row(static_cast<int>(landmarks.size())));
+  Eigen::MatrixXd columns(size(), row(static_cast<int>(landmarks.size())));
   for_each_block(landmarks, [&](int start, int in_part, int count) {
-    add_weighted_columns(start, Eigen::MatrixXd::Identity(count, count), columns.middleCols(in_part, count));
+    covariance_.copy_columns(start, columns.middleCols(in_part, count));
   });
   return columns;
 }
 
 template <class Space>
 void GaussianState<Space>::set_columns(const std::vector<int>& landmarks, const Eigen::MatrixXd& columns) {
-  auto P = lower();
   for_each_block(landmarks, [&](int start, int in_part, int count) {
-    const auto below = P.rows() - start;
-    P.block(start, 0, count, start) = columns.block(0, in_part, start, count).transpose();
-    P.block(start, start, below, count) = columns.block(start, in_part, below, count);
+    covariance_.set_columns(start, columns.middleCols(in_part, count));
   });
 }
 
 template <class Space>
-GaussianState<Space> GaussianState<Space>::marginal(const std::vector<int>& landmarks) const {
+GaussianState<Space> GaussianState<Space>::marginal(const std::vector<int>& landmarks,
+                                                    const Eigen::MatrixXd& columns) const {
   GaussianState part({pose_, pose_covariance()});
-  const Eigen::MatrixXd columns = this->columns(landmarks);
-  part.covariance_.resize(columns.cols(), columns.cols());
+  part.covariance_.resize(static_cast<int>(columns.cols()));
   for_each_block(landmarks, [&](int start, int in_part, int count) {
-    part.covariance_.middleRows(in_part, count) = columns.middleRows(start, count);
+    part.covariance_.lower_rows(in_part, count) = columns.middleRows(start, count).leftCols(in_part + count);
   });
-  part.points_.resize(kPointDim * landmarks.size());
   for (const int i : landmarks) {
     part.infos_.push_back(infos_[i]);
-    part.set_landmark(part.landmark_count() - 1, landmark(i));
+    part.points_.push_back(points_[i]);
   }
   return part;
 }
@@ -71,72 +53,82 @@ GaussianState<Space> GaussianState<Space>::marginal(const std::vector<int>& land
 template <class Space>
 void GaussianState<Space>::move(const PoseEstimate<Space>& moved, const PoseMatrix& F) {
   pose_ = moved.map_from_base;
-  auto P = lower();
-  P.template topLeftCorner<kPoseDim, kPoseDim>() = moved.covariance;
-  auto landmark_rows = P.bottomLeftCorner(size() - kPoseDim, kPoseDim);
-  for (int i = 0; i < landmark_rows.rows(); ++i) {
-    landmark_rows.row(i) = (landmark_rows.row(i) * F.transpose()).eval();
+  covariance_.lower_rows(0, kPoseDim) = moved.covariance;
+  for (int i = 1; i < covariance_.panel_count(); ++i) {
+    auto by_pose = covariance_.panel(i).template leftCols<kPoseDim>();
+    for (int k = 0; k < by_pose.rows(); ++k) by_pose.row(k) = (by_pose.row(k) * F.transpose()).eval();
   }
 }
 
 template <class Space>
 void GaussianState<Space>::set_pose(const PoseEstimate<Space>& pose) {
   pose_ = pose.map_from_base;
-  auto P = lower();
-  P.leftCols(kPoseDim).setZero();
-  P.template topLeftCorner<kPoseDim, kPoseDim>() = pose.covariance;
+  covariance_.lower_rows(0, kPoseDim) = pose.covariance;
+  for (int i = 1; i < covariance_.panel_count(); ++i) {
+    covariance_.panel(i).template leftCols<kPoseDim>().setZero();
+  }
+}
+
+template <class Space>
+void GaussianState<Space>::correct(const Eigen::Ref<const Eigen::MatrixXd>& U) {
+  covariance_.add_product(-1.0, U, U);
+}
+
+template <class Space>
+void GaussianState<Space>::correct_pose(const Eigen::Ref<const Eigen::MatrixXd>& U) {
+  const auto of_pose = U.template topRows<kPoseDim>();
+  for (int i = 0; i < covariance_.panel_count(); ++i) {
+    auto by_pose = covariance_.panel(i).template leftCols<kPoseDim>();
+    by_pose.noalias() -= U.middleRows(covariance_.first_row(i), by_pose.rows()) * of_pose.transpose();
+  }
 }
 
 template <class Space>
 void GaussianState<Space>::add_landmark(LandmarkInfo info, const Point& landmark_in_map,
-                                        const typename Space::PointByPose& by_pose,
-                                        const PointMatrix& independent) {
-  const int old_size = size();
-  const int new_size = old_size + kPointDim;
-  if (covariance_.rows() < new_size) {
-    const int capacity = std::max(2 * old_size, 64);
-    covariance_.conservativeResize(capacity, capacity);
+                                        const PointByPose& by_pose, const PointMatrix& independent) {
+  const int start = size();
+  covariance_.resize(start + kPointDim);
+  auto rows = covariance_.lower_rows(start, kPointDim);
+  const PointByPose cross = by_pose * pose_covariance();
+  rows.template leftCols<kPoseDim>() = cross;
+  for (int i = 0; i < landmark_count(); ++i) {
+    rows.template middleCols<kPointDim>(row(i)) = by_pose * landmark_by_pose(i).transpose();
   }
+  rows.template rightCols<kPointDim>() = cross * by_pose.transpose() + independent;
   infos_.push_back(std::move(info));
-  points_.conservativeResize(points_.size() + kPointDim);
-  points_.tail<kPointDim>() = landmark_in_map;
-
-  auto P = lower();
-  auto cross = P.block(old_size, 0, kPointDim, old_size);
-  cross.template leftCols<kPoseDim>() = by_pose * pose_covariance();
-  cross.rightCols(old_size - kPoseDim) =
-      by_pose * P.block(kPoseDim, 0, old_size - kPoseDim, kPoseDim).transpose();
-  P.template bottomRightCorner<kPointDim, kPointDim>() =
-      cross.template leftCols<kPoseDim>() * by_pose.transpose() + independent;
+  points_.push_back(landmark_in_map);
 }
 
+/// Rows and columns move up, over the landmark's.
 template <class Space>
 void GaussianState<Space>::remove_landmark(int index) {
-  SlamState<Space> state = snapshot();
-  const int first = row(index);
-  const int after = static_cast<int>(state.covariance.rows()) - first - kPointDim;
-  const auto shift = [&](auto& matrix, int start) {  // rows up, over the landmark's
-    matrix.middleRows(start, after) = matrix.middleRows(start + kPointDim, after).eval();
-    matrix.conservativeResize(matrix.rows() - kPointDim, matrix.cols());
-  };
-  shift(state.landmarks_in_map, first - kPoseDim);
-  shift(state.covariance, first);
-  state.covariance.transposeInPlace();
-  shift(state.covariance, first);
-  state.infos.erase(state.infos.begin() + index);
-  restore(state);
+  for (int i = index; i + 1 < landmark_count(); ++i) {
+    auto rows = covariance_.lower_rows(row(i), kPointDim);
+    rows.template leftCols<kPoseDim>() = landmark_by_pose(i + 1);
+    for (int j = 0; j <= i; ++j) {
+      rows.template middleCols<kPointDim>(row(j)) = landmark_covariance(i + 1, j < index ? j : j + 1);
+    }
+  }
+  infos_.erase(infos_.begin() + index);
+  points_.erase(points_.begin() + index);
+  covariance_.resize(size());
 }
 
 template <class Space>
 SlamState<Space> GaussianState<Space>::snapshot() const {
-  return {pose_, infos_, points_, lower().template selfadjointView<Eigen::Lower>()};
+  Eigen::VectorXd points(kPointDim * landmark_count());
+  for (int i = 0; i < landmark_count(); ++i) points.template segment<kPointDim>(kPointDim * i) = points_[i];
+  return {pose_, infos_, std::move(points), covariance_.dense()};
 }
 
 template <class Space>
 void GaussianState<Space>::restore(const SlamState<Space>& state) {
   pose_ = state.map_from_base;
-  points_ = state.landmarks_in_map;
-  covariance_ = state.covariance;
+  points_.clear();
+  for (Eigen::Index i = 0; i < state.landmarks_in_map.size(); i += kPointDim) {
+    points_.push_back(state.landmarks_in_map.template segment<kPointDim>(i));
+  }
+  covariance_.set_dense(state.covariance);
   infos_ = state.infos;
 }
 

@@ -7,6 +7,26 @@
 #include "kinect_ekf_slam/association/gate.h"
 
 namespace kinect_ekf_slam {
+namespace {
+
+/// False where S = L L^T is singular to working precision: its condition is at least the square of the
+/// largest over the smallest pivot.
+bool is_regular(const Eigen::Ref<const Eigen::MatrixXd>& L) {
+  const double ratio = L.diagonal().minCoeff() / L.diagonal().maxCoeff();
+  return ratio * ratio > kLeastRcond;
+}
+
+/// rows <- rows U^-1. Some rows at a time: Eigen then works on the stack.
+template <class Triangle, class Matrix>
+void solve_on_the_right(const Triangle& U, Matrix* rows) {
+  constexpr int kRows = 64;
+  for (Eigen::Index row = 0; row < rows->rows(); row += kRows) {
+    auto some = rows->middleRows(row, std::min<Eigen::Index>(kRows, rows->rows() - row));
+    U.template solveInPlace<Eigen::OnTheRight>(some);
+  }
+}
+
+}  // namespace
 
 template <class Space>
 typename Space::Point KalmanSlam<Space>::Expectation::point_in_base(int landmark) const {
@@ -47,25 +67,23 @@ UpdateReport KalmanSlam<Space>::apply(TimeNs stamp, const Observations& observat
                                       std::vector<Assignment> assignments) {
   UpdateReport report;
   report.assignments = std::move(assignments);
-  std::vector<Match> matches;
-  std::vector<std::size_t> unmapped;
+  matches_.clear();
   for (std::size_t k = 0; k < observations.size(); ++k) {
-    Assignment& assignment = report.assignments[k];
+    const Assignment& assignment = report.assignments[k];
     if (assignment.verdict == Verdict::kMatched) {
-      matches.push_back({k, assignment.landmark, assignment.squared_distance});
-    } else if (assignment.verdict == Verdict::kCreated) {
-      unmapped.push_back(k);
+      matches_.push_back({k, assignment.landmark, assignment.squared_distance});
     }
   }
-  if (!matches.empty() && !update(stamp, observations, matches, &report)) {
-    for (const Match& match : matches) report.assignments[match.observation].verdict = Verdict::kSingular;
+  if (!matches_.empty() && !update(stamp, observations, matches_, &report)) {
+    for (const Match& match : matches_) report.assignments[match.observation].verdict = Verdict::kSingular;
   }
   for (Assignment& assignment : report.assignments) {
     const bool is_index = assignment.landmark >= 0 && assignment.verdict != Verdict::kCreated;
     if (is_index) assignment.landmark = state_.info(assignment.landmark).id;
   }
-  for (const std::size_t k : unmapped) {
+  for (std::size_t k = 0; k < observations.size(); ++k) {
     Assignment& assignment = report.assignments[k];
+    if (assignment.verdict != Verdict::kCreated) continue;
     if (map_fixed_) {
       assignment.verdict = Verdict::kNotInMap;
     } else if (map_size() >= options_.max_landmarks) {
@@ -84,42 +102,44 @@ UpdateReport KalmanSlam<Space>::apply(TimeNs stamp, const Observations& observat
 template <class Space>
 bool KalmanSlam<Space>::update(TimeNs stamp, const Observations& observations,
                                const std::vector<Match>& matches, UpdateReport* report) {
-  predict_measurement(matches, &predicted_);
-  Eigen::VectorXd innovation = -predicted_.mean;  // nu
-  Eigen::MatrixXd& S = predicted_.covariance;     // H P H^T + R
-  Eigen::MatrixXd& weighted = predicted_.cross;   // P H^T
+  const int dof = kPointDim * static_cast<int>(matches.size());
+  PredictedMeasurement predicted{mean_.vector(dof), cross_.matrix(state_.size(), dof),
+                                 covariance_.matrix(dof, dof)};
+  predict_measurement(matches, &predicted);
+  Eigen::Map<Eigen::VectorXd>& innovation = predicted.mean;  // nu
+  Eigen::Map<Eigen::MatrixXd>& S = predicted.covariance;     // H P H^T + R
+  Eigen::Map<Eigen::MatrixXd>& weighted = predicted.cross;   // P H^T
+  innovation *= -1.0;
   for (std::size_t j = 0; j < matches.size(); ++j) {
     const int row = kPointDim * static_cast<int>(j);
     const Observation<Space>& observation = observations[matches[j].observation];
     innovation.segment<kPointDim>(row) += observation.position_in_base;
     S.block<kPointDim, kPointDim>(row, row) += measurement_noise(stamp, observation, matches[j]);
   }
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(S);  // S = L L^T
-  if (!innovation.allFinite() || cholesky.info() != Eigen::Success || !(cholesky.rcond() > kLeastRcond))
-    return false;
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> cholesky(S);  // S = L L^T, in its place
+  if (!innovation.allFinite() || cholesky.info() != Eigen::Success || !is_regular(S)) return false;
 
   // x += K nu and P -= K S K^T, with K S K^T = (P H^T L^-T) (P H^T L^-T)^T.
   const auto L = cholesky.matrixL();
-  const Eigen::VectorXd whitened = L.solve(innovation);
-  L.transpose().template solveInPlace<Eigen::OnTheRight>(weighted);
-  auto P = state_.lower();
+  Eigen::Map<Eigen::VectorXd>& whitened = innovation;
+  L.solveInPlace(whitened);
+  solve_on_the_right(L.transpose(), &weighted);
+  Eigen::Map<Eigen::VectorXd> error = error_.vector(state_.size());  // K nu
+  error.noalias() = weighted * whitened;
   if (map_fixed_) {  // Schmidt-Kalman: the map is uncertain but stands still, equation (4.10)
-    const auto pose_rows = weighted.topRows<kPoseDim>();
-    const auto landmark_rows = weighted.bottomRows(state_.size() - kPoseDim);
-    P.template topLeftCorner<kPoseDim, kPoseDim>().noalias() -= pose_rows * pose_rows.transpose();
-    P.bottomLeftCorner(landmark_rows.rows(), kPoseDim).noalias() -= landmark_rows * pose_rows.transpose();
-    retract(pose_rows * whitened);
+    state_.correct_pose(weighted);
+    retract(error.head<kPoseDim>());
     for (const Match& match : matches)
       state_.info(match.landmark).last_seen = stamp;  // the next one may be an echo
   } else {
-    P.template selfadjointView<Eigen::Lower>().rankUpdate(weighted, -1.0);
-    retract(weighted * whitened);
+    correct(weighted, error);
     for (const Match& match : matches)
       state_.info(match.landmark).add(stamp, observations[match.observation].signature);
   }
-  corrected(matches, cholesky, weighted, whitened);
+  S.triangularView<Eigen::StrictlyUpper>().setZero();
+  corrected(matches, S, weighted, whitened);
   report->nis = whitened.squaredNorm();
-  report->dof = static_cast<int>(innovation.size());
+  report->dof = dof;
   return true;
 }
 
@@ -227,8 +247,9 @@ bool KalmanSlam<Space>::merge(int kept_id, int dropped_id, double gate) {
   if (kept < 0 || dropped < 0 || kept == dropped) return false;
   const Point innovation = state_.landmark(dropped) - state_.landmark(kept);
   Eigen::MatrixXd weighted = Eigen::MatrixXd::Zero(state_.size(), kPointDim);  // P H^T
-  state_.add_weighted_columns(state_.row(kept), PointMatrix::Identity(), weighted);
-  state_.add_weighted_columns(state_.row(dropped), -PointMatrix::Identity(), weighted);
+  state_.covariance().add_weighted_columns(state_.row(kept), PointMatrix(PointMatrix::Identity()), weighted);
+  state_.covariance().add_weighted_columns(state_.row(dropped), PointMatrix(-PointMatrix::Identity()),
+                                           weighted);
   constexpr double kSame = 1e-6;  // m^2: how far apart the centres of one landmark's two estimates may lie
   const PointMatrix S = weighted.template middleRows<kPointDim>(state_.row(kept)) -
                         weighted.template middleRows<kPointDim>(state_.row(dropped)) +
@@ -238,9 +259,7 @@ bool KalmanSlam<Space>::merge(int kept_id, int dropped_id, double gate) {
   const Point whitened = cholesky.matrixL().solve(innovation);
   if (!(whitened.squaredNorm() < gate)) return false;
   cholesky.matrixL().transpose().template solveInPlace<Eigen::OnTheRight>(weighted);
-  auto P = state_.lower();
-  P.template selfadjointView<Eigen::Lower>().rankUpdate(weighted, -1.0);
-  retract(weighted * whitened);
+  correct(weighted, weighted * whitened);
   state_.info(kept).absorb(state_.info(dropped));
   remove_landmark(dropped);
   contradictions_.forget(dropped_id);

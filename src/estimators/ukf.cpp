@@ -39,7 +39,7 @@ void Ukf<Space>::predict_measurement(const std::vector<Match>& matches, Predicte
   const int dimension = kPoseDim + points;
 
   // The covariance of the pose and the landmarks observed, from their columns in that of the whole state_.
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(state_.size(), dimension);
+  Eigen::MatrixXd columns(state_.size(), dimension);
   std::vector<int> rows(matches.size() + 1, 0);  // in the state: of the pose, then of each landmark
   for (std::size_t j = 0; j < matches.size(); ++j) rows[j + 1] = state_.row(matches[j].landmark);
   const auto for_each_block = [&](const auto& visit) {
@@ -49,7 +49,7 @@ void Ukf<Space>::predict_measurement(const std::vector<Match>& matches, Predicte
     }
   };
   for_each_block([&](int row, int column, int size) {
-    state_.add_weighted_columns(row, Eigen::MatrixXd::Identity(size, size), columns.middleCols(column, size));
+    state_.covariance().copy_columns(row, columns.middleCols(column, size));
   });
   Eigen::MatrixXd observed(dimension, dimension);
   for_each_block([&](int row, int column, int size) {

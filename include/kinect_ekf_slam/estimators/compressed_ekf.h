@@ -15,8 +15,9 @@ namespace kinect_ekf_slam {
 /// with the map (docs/theory.md, section 9).
 ///
 /// `state_` holds the pose and the active landmarks, those near the robot. The rest of the map learns what
-/// they learnt when the region changes, or when somebody asks. The estimate is that of the EKF at any time:
-/// a landmark that an observation could be becomes active before the observation is used.
+/// they learnt after the region has changed, a little at each step, or when somebody asks. The estimate is
+/// that of the EKF at any time: a landmark that an observation could be becomes active before the observation
+/// is used.
 template <class Space>
 class CompressedEkf : public Ekf<Space> {
  public:
@@ -56,8 +57,9 @@ class CompressedEkf : public Ekf<Space> {
   void insert_landmark(LandmarkInfo info, const Point& landmark_in_map,
                        const typename Space::PointByPose& by_pose, const PointMatrix& independent) override;
   void remove_landmark(int index) override;
-  void corrected(const std::vector<Match>& matches, const Eigen::LLT<Eigen::MatrixXd>& S,
-                 const Eigen::MatrixXd& weighted, const Eigen::VectorXd& whitened) override;
+  void corrected(const std::vector<Match>& matches, const Eigen::Ref<const Eigen::MatrixXd>& L,
+                 const Eigen::Ref<const Eigen::MatrixXd>& weighted,
+                 const Eigen::Ref<const Eigen::VectorXd>& whitened) override;
   int index_of(int id) override;
   int map_size() const override {
     return std::max(whole_.landmark_count(), active_.empty() ? 0 : active_.back() + 1);
@@ -70,7 +72,10 @@ class CompressedEkf : public Ekf<Space> {
     bool operator<(const Passive& other) const { return distance < other.distance; }
   };
 
-  void update_whole() { deferred_.apply(active_, state_, &whole_); }
+  /// Tells the map what the active part learnt, and leaves to `pending_` what takes long.
+  void update_whole() { deferred_.apply(active_, state_, &whole_, &pending_); }
+  /// The same, and leaves nothing.
+  void finish_whole();
   void change_region(const std::set<int>& others);
   /// The landmarks near the robot, and `others`.
   std::vector<int> choose_active(const std::set<int>& others) const;
@@ -79,10 +84,12 @@ class CompressedEkf : public Ekf<Space> {
   std::set<int> concerned(const std::vector<Observation<Space>>& observations) const;
   void add_concerned(const Observation<Space>& observation, std::set<int>* landmarks) const;
 
-  GaussianState<Space> whole_;  ///< the whole map as it was when the region became active
-  std::vector<int> active_;     ///< of each landmark of the state its index in the map, ascending; the last
-                                ///< may be new, and not in `whole_` yet
+  GaussianState<Space> whole_;  ///< the whole map as it was when the region became active, but for
+  PendingUpdates<Space> pending_;
+  std::vector<int> active_;  ///< of each landmark of the state its index in the map, ascending; the last
+                             ///< may be new, and not in `whole_` yet
   DeferredUpdate<Space> deferred_;
+  Scratch L_H_phi_;
 
   Point centre_ = Point::Zero();  ///< m, in the map: where the robot was when the region was chosen
   std::vector<Passive> passive_;  ///< by their distance

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "kinect_ekf_slam/estimators/gaussian_state.h"
+#include "kinect_ekf_slam/estimators/pending_updates.h"
 
 namespace kinect_ekf_slam {
 
@@ -23,8 +24,9 @@ class DeferredUpdate {
   using PoseMatrix = typename Space::PoseMatrix;
   using PointByPose = typename Space::PointByPose;
 
-  /// Starts with the state `whole`, of which `active` are the landmarks of a: equation (9.2).
-  void start(const GaussianState<Space>& whole, const std::vector<int>& active);
+  /// Starts where `active` are the landmarks of a, out of `landmarks`, and `columns` those of P by a:
+  /// equation (9.2).
+  void start(int landmarks, const std::vector<int>& active, Eigen::MatrixXd columns);
 
   // What happens to the active part.
   void move(const PoseMatrix& F);                 ///< the robot moves: (9.3)
@@ -32,20 +34,21 @@ class DeferredUpdate {
   void add_landmark(const PointByPose& by_pose);  ///< a landmark is new, at the end of a: (9.6)
   /// An update: (9.4) and (9.5). `weighted` is P_aa H^T L^-T, `whitened` L^-1 nu, `L_H_phi` L^-1 H phi. With
   /// a fixed map only the pose learns.
-  void correct(const Eigen::MatrixXd& weighted, const Eigen::VectorXd& whitened,
-               const Eigen::MatrixXd& L_H_phi, bool map_fixed);
+  void correct(const Eigen::Ref<const Eigen::MatrixXd>& weighted,
+               const Eigen::Ref<const Eigen::VectorXd>& whitened,
+               const Eigen::Ref<const Eigen::MatrixXd>& L_H_phi, bool map_fixed);
 
   /// How an error of the active part that was there at the start is found in it now.
   const Eigen::MatrixXd& phi() const { return phi_; }
 
-  /// Brings `whole`, unchanged since the start, up to date: (9.7) to (9.9). `active` may have grown by new
-  /// landmarks, and `state` is a as it is now.
-  void apply(const std::vector<int>& active, const GaussianState<Space>& state,
-             GaussianState<Space>* whole) const;
+  /// Brings `whole`, unchanged since the start, up to date by (9.7) and (9.9), and leaves (9.8) to `pending`.
+  /// `active` may have grown by new landmarks, and `state` is a as it is now.
+  void apply(const std::vector<int>& active, const GaussianState<Space>& state, GaussianState<Space>* whole,
+             PendingUpdates<Space>* pending) const;
 
-  // One passive landmark as it is now, from `whole` as it was at the start.
+  // One passive landmark as it is now, from `whole` or its covariance as they were at the start.
   Point landmark(const GaussianState<Space>& whole, int index) const;
-  PointMatrix landmark_covariance(const GaussianState<Space>& whole, int index) const;
+  PointMatrix landmark_covariance(const PointMatrix& at_start, int index) const;
   PointByPose landmark_by_pose(int index) const;
   /// No passive landmark has moved by more than this many standard deviations that it had at the start.
   double largest_shift() const;

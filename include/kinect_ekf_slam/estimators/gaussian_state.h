@@ -5,13 +5,14 @@
 
 #include "kinect_ekf_slam/estimators/pose_estimate.h"
 #include "kinect_ekf_slam/estimators/slam_estimator.h"
+#include "kinect_ekf_slam/estimators/symmetric_matrix.h"
 
 namespace kinect_ekf_slam {
 
 /// Mean and covariance of a pose and a growing number of landmarks: the state of every Kalman estimator.
 ///
 /// Error: position, rotation and landmarks in the map's axes (docs/theory.md, section 4). Only the lower
-/// triangle of the covariance is stored to be read, so it cannot become asymmetric.
+/// triangle of the covariance is stored, so it cannot become asymmetric.
 template <class Space>
 class GaussianState {
  public:
@@ -21,6 +22,7 @@ class GaussianState {
   using Point = typename Space::Point;
   using PointMatrix = typename Space::PointMatrix;
   using PoseMatrix = typename Space::PoseMatrix;
+  using PointByPose = typename Space::PointByPose;
 
   explicit GaussianState(const PoseEstimate<Space>& initial);
 
@@ -30,28 +32,24 @@ class GaussianState {
   static constexpr int row(int landmark) { return kPoseDim + kPointDim * landmark; }
 
   const Pose& map_from_base() const { return pose_; }
-  PoseMatrix pose_covariance() const;
-  Point landmark(int index) const { return points_.template segment<kPointDim>(kPointDim * index); }
+  PoseMatrix pose_covariance() const { return covariance_.block<kPoseDim, kPoseDim>(0, 0); }
+  const Point& landmark(int index) const { return points_[index]; }
   PointMatrix landmark_covariance(int index) const { return landmark_covariance(index, index); }
   /// Covariance of two landmarks' errors, the first by the second.
-  PointMatrix landmark_covariance(int a, int b) const;
-  typename Space::PointByPose landmark_by_pose(int index) const {
-    return covariance_.template block<kPointDim, kPoseDim>(row(index), 0);
+  PointMatrix landmark_covariance(int a, int b) const {
+    return covariance_.block<kPointDim, kPointDim>(row(a), row(b));
+  }
+  PointByPose landmark_by_pose(int index) const {
+    return covariance_.block<kPointDim, kPoseDim>(row(index), 0);
   }
   LandmarkInfo& info(int index) { return infos_[index]; }
   const LandmarkInfo& info(int index) const { return infos_[index]; }
   std::vector<LandmarkEstimate<Space>> landmarks() const;
 
   void set_map_from_base(const Pose& map_from_base) { pose_ = map_from_base; }
-  void set_landmark(int index, const Point& landmark_in_map) {
-    points_.template segment<kPointDim>(kPointDim * index) = landmark_in_map;
-  }
-  /// The covariance's lower triangle; what stands above the diagonal is never read.
-  Eigen::Block<Eigen::MatrixXd> lower() { return covariance_.topLeftCorner(size(), size()); }
-  Eigen::Block<const Eigen::MatrixXd> lower() const { return covariance_.topLeftCorner(size(), size()); }
-  /// columns += P.middleCols(start, weights.rows()) * weights.
-  template <class Weights>
-  void add_weighted_columns(int start, const Weights& weights, Eigen::Ref<Eigen::MatrixXd> columns) const;
+  void set_landmark(int index, const Point& landmark_in_map) { points_[index] = landmark_in_map; }
+  SymmetricMatrix& covariance() { return covariance_; }
+  const SymmetricMatrix& covariance() const { return covariance_; }
 
   // A part of the state: the pose and some landmarks, given by their indices. Its rows are in that order.
   /// Calls visit(row in the state, row in the part, number of rows) for the pose and for each landmark.
@@ -60,15 +58,19 @@ class GaussianState {
   /// P's columns by the part, of all its rows.
   Eigen::MatrixXd columns(const std::vector<int>& landmarks) const;
   void set_columns(const std::vector<int>& landmarks, const Eigen::MatrixXd& columns);
-  GaussianState marginal(const std::vector<int>& landmarks) const;
+  /// The part alone, given P's columns by it.
+  GaussianState marginal(const std::vector<int>& landmarks, const Eigen::MatrixXd& columns) const;
 
   /// The robot moves, the landmarks stand still: equation (4.4), F the Jacobian of `moved` by the pose.
   void move(const PoseEstimate<Space>& moved, const PoseMatrix& F);
+  /// P -= U U^T, of which the second changes the pose's rows and columns alone: equations (4.9) and (4.10).
+  void correct(const Eigen::Ref<const Eigen::MatrixXd>& U);
+  void correct_pose(const Eigen::Ref<const Eigen::MatrixXd>& U);
   /// Puts the robot somewhere, independent of the map.
   void set_pose(const PoseEstimate<Space>& pose);
   /// A landmark that depends on the pose: its error is `by_pose` times the pose's plus an independent one.
-  void add_landmark(LandmarkInfo info, const Point& landmark_in_map,
-                    const typename Space::PointByPose& by_pose, const PointMatrix& independent);
+  void add_landmark(LandmarkInfo info, const Point& landmark_in_map, const PointByPose& by_pose,
+                    const PointMatrix& independent);
   /// Forgets a landmark: what it said of the others stays with them.
   void remove_landmark(int index);
 
@@ -77,23 +79,10 @@ class GaussianState {
 
  private:
   Pose pose_;
-  Eigen::VectorXd points_;      ///< m, in the map, one after the other
-  Eigen::MatrixXd covariance_;  ///< capacity may exceed the state
+  std::vector<Point> points_;  ///< m, in the map
+  SymmetricMatrix covariance_;
   std::vector<LandmarkInfo> infos_;
 };
-
-template <class Space>
-template <class Weights>
-void GaussianState<Space>::add_weighted_columns(int start, const Weights& weights,
-                                                Eigen::Ref<Eigen::MatrixXd> columns) const {
-  const auto P = lower();
-  const auto count = weights.rows();
-  const auto below = P.rows() - start - count;
-  columns.topRows(start).noalias() += P.block(start, 0, count, start).transpose() * weights;
-  columns.middleRows(start, count).noalias() +=
-      P.block(start, start, count, count).template selfadjointView<Eigen::Lower>() * weights;
-  columns.bottomRows(below).noalias() += P.block(start + count, start, below, count) * weights;
-}
 
 template <class Space>
 template <class Visit>

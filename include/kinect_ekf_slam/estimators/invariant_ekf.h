@@ -23,7 +23,12 @@ class InvariantEkf : public Ekf<Space> {
   using typename Ekf<Space>::Point;
   using Ekf<Space>::kPointDim;
   using Ekf<Space>::state_;
+  void correct(const Eigen::Ref<const Eigen::MatrixXd>& U,
+               const Eigen::Ref<const Eigen::VectorXd>& error) override;
   void retract(const Eigen::Ref<const Eigen::VectorXd>& error) override;
+
+ private:
+  Scratch left_, right_;  ///< the factors of what a correction adds to the covariance
 };
 
 }  // namespace kinect_ekf_slam

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <memory>
 #include <utility>
@@ -10,6 +9,7 @@
 #include "kinect_ekf_slam/estimators/gaussian_state.h"
 #include "kinect_ekf_slam/estimators/landmark_ids.h"
 #include "kinect_ekf_slam/estimators/options.h"
+#include "kinect_ekf_slam/estimators/scratch.h"
 #include "kinect_ekf_slam/estimators/slam_estimator.h"
 
 namespace kinect_ekf_slam {
@@ -72,12 +72,19 @@ class KalmanSlam : public SlamEstimator<Space> {
   };
   /// The joint measurement as the state predicts it: points in the base, one after the other.
   struct PredictedMeasurement {
-    Eigen::VectorXd mean;        ///< m
-    Eigen::MatrixXd cross;       ///< covariance of the state with it: P H^T
-    Eigen::MatrixXd covariance;  ///< of it, without the measurement's noise: H P H^T
+    Eigen::Map<Eigen::VectorXd> mean;        ///< m
+    Eigen::Map<Eigen::MatrixXd> cross;       ///< covariance of the state with it: P H^T
+    Eigen::Map<Eigen::MatrixXd> covariance;  ///< of it, without the measurement's noise: H P H^T
   };
 
+  /// Fills in what is there in its size.
   virtual void predict_measurement(const std::vector<Match>& matches, PredictedMeasurement* predicted) = 0;
+  /// P -= U U^T, and the state moves by the error.
+  virtual void correct(const Eigen::Ref<const Eigen::MatrixXd>& U,
+                       const Eigen::Ref<const Eigen::VectorXd>& error) {
+    state_.correct(U);
+    retract(error);
+  }
   /// Moves the state by an error: the whole of it, or the pose alone when that is all that is given.
   virtual void retract(const Eigen::Ref<const Eigen::VectorXd>& error);
 
@@ -99,9 +106,11 @@ class KalmanSlam : public SlamEstimator<Space> {
     state_.add_landmark(std::move(info), landmark_in_map, by_pose, independent);
   }
   virtual void remove_landmark(int index) { state_.remove_landmark(index); }
-  /// After an update: S = L L^T, `weighted` P H^T L^-T, `whitened` L^-1 nu.
-  virtual void corrected(const std::vector<Match>& /*matches*/, const Eigen::LLT<Eigen::MatrixXd>& /*S*/,
-                         const Eigen::MatrixXd& /*weighted*/, const Eigen::VectorXd& /*whitened*/) {}
+  /// After an update: S = L L^T, `L` with zeros above, `weighted` P H^T L^-T, `whitened` L^-1 nu.
+  virtual void corrected(const std::vector<Match>& /*matches*/,
+                         const Eigen::Ref<const Eigen::MatrixXd>& /*L*/,
+                         const Eigen::Ref<const Eigen::MatrixXd>& /*weighted*/,
+                         const Eigen::Ref<const Eigen::VectorXd>& /*whitened*/) {}
   /// Landmarks of the whole map; the state may hold a part of them.
   virtual int map_size() const { return state_.landmark_count(); }
 
@@ -125,7 +134,10 @@ class KalmanSlam : public SlamEstimator<Space> {
 
   Contradictions contradictions_;  ///< by the landmark's id
   LandmarkIds ids_;
-  PredictedMeasurement predicted_;  ///< reused between updates
+
+  // Kept between updates: an update allocates nothing.
+  std::vector<Match> matches_;
+  Scratch mean_, cross_, covariance_, error_;
 };
 
 /// The associator's view of the filter.
