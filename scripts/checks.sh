@@ -25,7 +25,7 @@ check() {
   fi
 }
 
-sources() { git ls-files -co --exclude-standard -- 'include/*.h' 'src/*.cpp' 'test/*.h' 'test/*.cpp' | while read -r f; do [ -e "$f" ] && echo "$f"; done; }
+sources() { git ls-files -co --exclude-standard -- 'include/*.h' 'src/*.cpp' 'test/*.h' 'test/*.cpp' 'benchmark/*.h' 'benchmark/*.cpp' | while read -r f; do [ -e "$f" ] && echo "$f"; done; }
 
 format() { sources | xargs clang-format --dry-run --Werror; }
 

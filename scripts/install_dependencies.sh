@@ -32,8 +32,8 @@ packages=(
   python3-numpy python3-matplotlib python3-pil python3-yaml python3-jinja2
   # launch files, pictures and the demo
   tf2-tools rviz xvfb xauth x11-utils libgl1-mesa-dri libgl1 imagemagick fonts-dejavu-core
-  # tests
-  libgtest-dev librostest-dev python3-rostest python3-rosunit
+  # tests and benchmarks
+  libbenchmark-dev libgtest-dev librostest-dev python3-rostest python3-rosunit
 )
 
 as_root() { if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi; }

@@ -3,7 +3,7 @@
 
   scripts/update_readme.py            the table of parameters
   scripts/update_readme.py --check    fails when that table is not what the programs say
-  scripts/update_readme.py --figures  also runs the demo, the study and the real data, and puts in their last output
+  scripts/update_readme.py --figures  also runs the demo, the study, the real data and the benchmark, and puts in their last output
 """
 import argparse
 import os
@@ -37,6 +37,11 @@ def demo_summary():
     return output_of("scripts/demo.sh").rsplit("== Result\n", 1)[-1]
 
 
+def benchmark_tables():
+    """All but the name of the picture."""
+    return output_of("scripts/benchmark.sh").rsplit("\n", 1)[0].strip()
+
+
 def consistency_figures():
     """The study in both spaces with both sensors."""
     tables = []
@@ -61,6 +66,7 @@ def main():
         after = put(after, "consistency", fenced(consistency_figures()))
         after = put(after, "real data", fenced(output_of("scripts/evaluate_real_data.py", "--estimators")))
         after = put(after, "demo", fenced(demo_summary()))
+        after = put(after, "benchmark", fenced(benchmark_tables()))
     if arguments.check:
         if after != before:
             sys.exit("update_readme.py: README.md is not what slam_replay --parameters prints; run scripts/update_readme.py")

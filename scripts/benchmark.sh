@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# Measures time per update, association, insertion and memory over the number of landmarks, and prints tables.
+#   scripts/benchmark.sh [--quick] [--mrpt] [--callgrind]
+#     --quick      leaves out what takes minutes: the largest maps of compressed EKF and MRPT
+#     --mrpt       installs MRPT (libmrpt-dev), beside which ours is measured where it is there
+#     --callgrind  counts instructions with valgrind instead: no clock, the same figures on a busy machine
+# Leaves runs/benchmark/benchmark.json and benchmark.png. Times are those of the thread on its core.
+set -euo pipefail
+quick=false mrpt=false callgrind=false
+for option in "$@"; do
+  case $option in
+    --quick) quick=true ;;
+    --mrpt) mrpt=true ;;
+    --callgrind) callgrind=true ;;
+    -h|--help) sed -n '2,7s/^# \?//p' "$0"; exit 0 ;;
+    *) echo "benchmark.sh: $option: unknown option; see --help" >&2; exit 2 ;;
+  esac
+done
+cd "$(dirname "$0")/.."
+export PATH=/usr/bin:$PATH
+out=runs/benchmark
+mkdir -p build "$out"
+
+if $mrpt && [ "$(dpkg-query -W -f='${db:Status-Status}' libmrpt-dev 2>/dev/null)" != installed ]; then
+  echo "Installing libmrpt-dev ..." >&2
+  as_root() { if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi; }
+  { as_root apt-get update && as_root env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -y --no-install-recommends libmrpt-dev; } >"$out/install.log" 2>&1 ||
+    { tail -n 20 "$out/install.log" >&2; exit 2; }
+fi
+echo "Building (the log is in build/build.log) ..." >&2
+scripts/build.sh >build/build.log 2>&1 || { tail -n 20 build/build.log >&2; exit 2; }
+program=$(find build -name benchmark_slam -type f -perm -u+x | head -n 1)
+if [ -z "$program" ]; then
+  echo "benchmark.sh: Google Benchmark was not found; install libbenchmark-dev and call again" >&2
+  exit 2
+fi
+
+if $callgrind; then
+  command -v valgrind >/dev/null || { echo "benchmark.sh: no valgrind here; install it and call again" >&2; exit 2; }
+  echo "instructions of an observation, 8 landmarks in view"
+  for benchmark in update/{ekf,invariant_ekf,compressed_ekf,ukf}/{100,200}; do
+    # The program runs the same steps with and without the clock; those of observe() are counted.
+    valgrind --tool=callgrind --callgrind-out-file=/dev/null --collect-atstart=no --toggle-collect='*::observe(*' \
+      "$program" --benchmark_filter="^$benchmark/" >"$out/callgrind.log" 2>&1
+    awk -v name="$benchmark" '/Collected :/ { collected = $NF } /iterations:/ { split($0, part, "iterations:"); steps = part[2] + 1 }
+      END { printf "  %-28s %12.0f\n", name, collected / steps }' "$out/callgrind.log"
+  done
+  exit 0
+fi
+
+filter=.
+if $quick; then filter='-(mrpt_.*/2000|mrpt_full/1000|compressed_ekf/(5000|10000)|insert/mrpt)'; fi
+"$program" --benchmark_filter="$filter" --benchmark_out="$out/benchmark.json" --benchmark_out_format=json >"$out/benchmark.log" &
+process=$!
+while kill -0 $process 2>/dev/null; do
+  if [ -t 2 ]; then printf '\rmeasuring: %d done ' "$(grep -c iterations "$out/benchmark.log")" >&2; fi
+  sleep 1
+done
+wait $process
+if [ -t 2 ]; then printf '\r\033[K' >&2; fi
+scripts/plot_benchmark.py "$out/benchmark.json" "$out/benchmark.png"
