@@ -57,7 +57,8 @@ def growth(times):
 
 def table(head, rows, form):
     width = max(len(name) for name, _, _ in rows)
-    print(" " * width + "".join(f"{n:>9}" for n in head) + "   growth")
+    growing = any(slope is not None for _, _, slope in rows)
+    print(" " * width + "".join(f"{n:>9}" for n in head) + ("   growth" if growing else ""))
     for name, cells, slope in rows:
         line = name.ljust(width) + "".join(f"{form.format(cells[n]) if n in cells else '':>9}" for n in head)
         print((line + (f"   n^{slope:.2f}" if slope is not None else "")).rstrip())
@@ -90,16 +91,19 @@ def print_tables(series):
     print("\nAssociation of 8 sightings without identity, ms")
     times = {n: run["median_ms"] for n, run in series["associate/nearest_neighbor"].items()}
     table(sorted(times), [("nearest neighbour", times, growth(times))], "{:.3g}")
-    print("\nInsertion of 2,000 landmarks, 8 a view, s")
     inserts = {name.split("/")[1]: run[2000]["median_ms"] / 1e3 for name, run in series.items()
                if name.startswith("insert/") and 2000 in run}
+    if inserts:
+        print("\nInsertion of 2,000 landmarks, 8 a view, s")
     for name, seconds in inserts.items():
         beside = f"   {seconds / inserts['ekf']:.0f} times the EKF's" if name.startswith("mrpt") else ""
         print(f"  {name:<16}{seconds:8.3g}{beside}")
-    print("\nMemory at 1,000 landmarks, kB a landmark")
-    for name, run in series.items():
-        if name.startswith("memory/"):
-            print(f"  {name.split('/')[1]:<16}{run[1000]['kB_per_landmark']:8.3g}")
+    memory = {name.split("/")[1]: run[1000]["kB_per_landmark"] for name, run in series.items()
+              if name.startswith("memory/") and 1000 in run}
+    if memory:
+        print("\nMemory at 1,000 landmarks, kB a landmark")
+    for name, kilobytes in memory.items():
+        print(f"  {name:<16}{kilobytes:8.3g}")
 
 
 def draw(series, path):
