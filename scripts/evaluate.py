@@ -73,7 +73,8 @@ def main():
     provenance = read_provenance(arguments.folder) if arguments.report else None
     truth = NO_TRUTH if arguments.truth is None else read_truth(arguments.truth)
     evaluation = evaluate(estimate, truth, arguments.align)
-    write_metrics(evaluation.metrics, os.path.join(arguments.folder, "evaluation.json"))
+    if arguments.truth is not None:   # what an earlier evaluation found stays
+        write_metrics(evaluation.metrics, os.path.join(arguments.folder, "evaluation.json"))
 
     from slam_tools.evaluation_plots import draw_evaluation   # late: matplotlib takes a while to load
     with cli.atomic_output(os.path.join(arguments.folder, "evaluation.png")) as path:
