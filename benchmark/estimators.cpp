@@ -1,6 +1,5 @@
-#include <unistd.h>
+#include <malloc.h>
 
-#include <fstream>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -110,12 +109,10 @@ void associate(benchmark::State& state, AssociationOptions::Type type) {
   times.report(state);
 }
 
-/// Resident memory of this process, byte.
-double resident() {
-  double program = 0.0;
-  double pages = 0.0;
-  std::ifstream("/proc/self/statm") >> program >> pages;
-  return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
+/// What the program holds of the heap, byte.
+double allocated() {
+  const auto heap = mallinfo2();
+  return static_cast<double>(heap.uordblks + heap.hblkhd);
 }
 
 void memory(benchmark::State& state, Type type) {
@@ -123,13 +120,13 @@ void memory(benchmark::State& state, Type type) {
   for (auto _ : state) {
     const auto looks = survey(landmarks);
     const auto estimator = make(type, landmarks);
-    const double before = resident();
+    const double before = allocated();
     TimeNs stamp = 0;
     for (const Look& look : looks) {
       estimator->predict(look.motion);
       estimator->observe(++stamp, look.observations());
     }
-    state.counters["kB_per_landmark"] = (resident() - before) / 1024.0 / landmarks;
+    state.counters["kB_per_landmark"] = (allocated() - before) / 1024.0 / landmarks;
     state.SetIterationTime(1e-9);
   }
 }
