@@ -10,7 +10,7 @@ void InvariantEkf<Space>::correct(const Eigen::Ref<const Eigen::MatrixXd>& U,
   using Pose = typename Space::Pose;
   using TurnMatrix = Eigen::Matrix<double, kTurnDim, kTurnDim>;
   const Eigen::Matrix<double, kTurnDim, 1> turn = error.template segment<kTurnDim>(kPointDim);
-  Eigen::Map<Eigen::MatrixXd> left = left_.matrix(state_.size(), U.cols() + 2 * kTurnDim);
+  Eigen::Map<Eigen::MatrixXd> left = left_.matrix(state_.size(), U.cols() + Eigen::Index{2} * kTurnDim);
   Eigen::Map<Eigen::MatrixXd> right = right_.matrix(left.rows(), left.cols());
 
   // One rotation for all points, and the displacement of each on the way: Exp of (xi, turn).
