@@ -98,20 +98,18 @@ bool LifeCycle<Space>::deserves_belief(const Record& record,
 
 template <class Space>
 bool LifeCycle<Space>::is_twin(int id, const Record& record, const KalmanSlam<Space>& filter) const {
+  std::set<int> seen_more;
   for (const auto& [other, frames] : record.company) {
-    if (record.sightings > kTwinShare * frames) continue;
-    const std::vector<LandmarkEstimate<Space>> landmarks = filter.landmarks();
-    const auto find = [&](int wanted) {
-      return std::find_if(landmarks.begin(), landmarks.end(),
-                          [&](const auto& landmark) { return landmark.info.id == wanted; });
-    };
-    const auto one = find(id);
-    const auto twin = find(other);
-    if (one == landmarks.end() || twin == landmarks.end()) continue;
-    if ((one->position_in_map - twin->position_in_map).norm() < kTwinReach * options_.merge_distance)
-      return true;
+    if (record.sightings <= kTwinShare * frames) seen_more.insert(other);
   }
-  return false;
+  if (seen_more.empty()) return false;
+  const std::vector<LandmarkEstimate<Space>> landmarks = filter.landmarks();
+  const auto self = std::find_if(landmarks.begin(), landmarks.end(),
+                                 [&](const auto& landmark) { return landmark.info.id == id; });
+  return std::any_of(landmarks.begin(), landmarks.end(), [&](const auto& other) {
+    const double distance = (other.position_in_map - self->position_in_map).norm();
+    return seen_more.count(other.info.id) > 0 && distance < kTwinReach * options_.merge_distance;
+  });
 }
 
 template <class Space>

@@ -112,17 +112,29 @@ TEST(RoomStudy, AReflectionThatLastsDoesNotBendTheMap) {
   });
 }
 
+/// What is seen a second time, `apart` (m, ahead and to the left) from the first.
+void see_double(const Eigen::Vector2d& apart, std::vector<Detection>* detections) {
+  const std::vector<Detection> seen = *detections;
+  for (Detection twin : seen) {
+    twin.position_in_base.head<2>() += apart;
+    twin.position_in_optical += Eigen::Vector3d(-apart.y(), 0.0, apart.x());
+    detections->push_back(twin);
+  }
+}
+
 TEST(RoomStudy, ADetectorThatNowAndThenSeesTwoWhereThereIsOneMapsOne) {
-  int look = 0;
-  expect_harmless([&look](double, std::vector<Detection>* detections) {
-    if (++look % 10 != 0) return;
-    const std::vector<Detection> seen = *detections;
-    for (Detection twin : seen) {
-      twin.position_in_base.y() += 0.25;  // m
-      twin.position_in_optical.x() -= 0.25;
-      detections->push_back(twin);
-    }
-  });
+  for (const Eigen::Vector2d& apart : {Eigen::Vector2d(0.0, 0.25), Eigen::Vector2d(0.15, 0.0)}) {
+    SCOPED_TRACE(apart.transpose());
+    int look = 0;
+    expect_harmless([&](double, std::vector<Detection>* detections) {
+      if (++look % 10 == 0) see_double(apart, detections);
+    });
+    expect_harmless([&](double seconds, std::vector<Detection>* detections) {
+      for (const double start : {12.0, 40.0, 75.0}) {
+        if (seconds >= start && seconds <= start + 2.0) see_double(apart, detections);
+      }
+    });
+  }
 }
 
 TEST(RoomStudy, TheMapIsBetterThanDeadReckonings) {
