@@ -73,12 +73,11 @@ def main():
     provenance = read_provenance(arguments.folder) if arguments.report else None
     truth = NO_TRUTH if arguments.truth is None else read_truth(arguments.truth)
     evaluation = evaluate(estimate, truth, arguments.align)
-    if arguments.truth is not None:   # what an earlier evaluation found stays
+    if arguments.truth is not None:   # else what an earlier evaluation found stays
         write_metrics(evaluation.metrics, os.path.join(arguments.folder, "evaluation.json"))
-
-    from slam_tools.evaluation_plots import draw_evaluation   # late: matplotlib takes a while to load
-    with cli.atomic_output(os.path.join(arguments.folder, "evaluation.png")) as path:
-        draw_evaluation(path, estimate, truth, evaluation, arguments.sigmas)
+        from slam_tools.evaluation_plots import draw_evaluation   # late: matplotlib takes a while to load
+        with cli.atomic_output(os.path.join(arguments.folder, "evaluation.png")) as path:
+            draw_evaluation(path, estimate, truth, evaluation, arguments.sigmas)
     if arguments.report:
         from slam_tools.report import Run, write_report
         write_report(os.path.join(arguments.folder, "report.html"),

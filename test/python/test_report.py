@@ -113,7 +113,12 @@ class Report(StraightRun):
 
     def test_without_truth(self):
         self.write_provenance()
+        for name in ("evaluation.json", "evaluation.png"):
+            support.write(self.folder, name, "of an evaluation before")
         page = self.report()
+        for name in ("evaluation.json", "evaluation.png"):
+            with open(os.path.join(self.folder, name), encoding="utf-8") as file:
+                self.assertEqual(file.read(), "of an evaluation before")
         self.assertIn("There is no truth to compare with", page.text)
         self.assertIn("Not known: ate_rmse_m", page.text)
         self.assertNotIn("aligned by", page.text)

@@ -176,6 +176,28 @@ TEST_F(BagReplay, CountsAndTellsWhatItRefuses) {
   EXPECT_LE(report.warnings.size(), 4U) << "the first of each kind alone";
 }
 
+/// The first picture is right, and the camera is then said to have turned round.
+TEST_F(BagReplay, SaysHowLongItWasLost) {
+  rosbag::Bag bag(request_.bag, rosbag::bagmode::Write);
+  bag.write("/tf_static", ros::Time(kStart), camera_mounting());
+  for (int i = 0; i < kSteps; ++i) {
+    const double time = kStart + 0.05 * i;
+    bag.write("/odom", ros::Time(time), odometry(time));
+    LandmarkDetectionArray message = landmarks(time);
+    for (LandmarkDetection& detection : message.detections) {
+      if (i >= 4) detection.position.x *= -1.0;
+    }
+    bag.write("/landmarks", ros::Time(time + 0.03), message);
+  }
+  bag.close();
+  set({"estimator/replace_after=0"});
+  const ReplayReport report = replay_bag(request_);
+  const auto told = std::find_if(report.warnings.begin(), report.warnings.end(),
+                                 [](const std::string& line) { return line.rfind("lost for ", 0) == 0; });
+  ASSERT_NE(told, report.warnings.end());
+  EXPECT_NE(told->find(" of 100 detection messages"), std::string::npos) << *told;
+}
+
 TEST_F(BagReplay, SaysThatTheMapIsFull) {
   write_run();
   set({"estimator/max_landmarks=1"});

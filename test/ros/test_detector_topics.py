@@ -62,6 +62,8 @@ class DebugPicture(PictureCase):
         self.assertEqual((picture == GREEN).all(axis=2).sum(), 0)
         client.update_configuration({"kinect_cylinder_max_height": 0.6})
         self.assert_is_the_post(self.picture_after(self.messages())[0])
+        client.update_configuration({"kinect_cylinder_min_height": 0.6})   # would leave no height
+        self.assert_is_the_post(self.picture_after(self.messages())[0])
 
 
 class LevelFrame(PictureCase):

@@ -271,5 +271,19 @@ TEST(Configurations, SayWhatIsWrongWithAFile) {
             folder / "" + ": is a folder");
 }
 
+TEST(DetectorParameters, BoundsThatLeaveNothingAreRefused) {
+  const auto refusal_of = [](const std::string& assignment) {
+    YAML::Node yaml = YAML::LoadFile(std::string(CONFIG_FOLDER) + "/detector.yaml");
+    set_parameter(assignment, &yaml);
+    return testing::message_of<ParameterError>([&] { read_detector_options(yaml, nullptr); });
+  };
+  EXPECT_EQ(refusal_of("kinect_cylinder/min_height=2"),
+            "kinect_cylinder/min_height: 2 given, allowed: less than kinect_cylinder/max_height, 0.6");
+  EXPECT_NE(refusal_of("kinect_cylinder/min_depth=10"), "");
+  EXPECT_NE(refusal_of("kinect_cylinder/min_radius=0.9"), "");
+  EXPECT_NE(refusal_of("laser_cylinder/min_radius=4"), "");
+  EXPECT_NE(refusal_of("features/min_depth=50"), "");
+}
+
 }  // namespace
 }  // namespace kinect_ekf_slam
