@@ -19,6 +19,7 @@ constexpr double kTwinReach = 1.5;  // merge distances
 constexpr double kLeastDetectionRate = 0.25;  // of what is there, in the looks that should show it
 constexpr double kVisitsApart = 5.0;          // s; looks in vain farther apart belong to different visits
 constexpr int kLooksOfVisit = 3;              // fewer say nothing: one look is missed easily
+constexpr double kMissedByChance = 0.001;     // that so many looks in a row missed what is there
 constexpr int kSightingsPerVisit = 10;        // support that outweighs one visit in vain
 constexpr double kWellInside = 0.85;  // share of the view in which a landmark must be seen, if it is there
 constexpr double kBodyWidth = 0.3;    // m; what stands nearer in the same direction hides what is behind
@@ -74,7 +75,7 @@ void LifeCycle<Space>::count_sightings(TimeNs stamp, KalmanSlam<Space>* filter, 
       ++seen_again.visits;
     seen_again.last_seen = stamp;
     ++seen_again.sightings;
-    seen_again.misses_of_visit = 0;
+    seen_again.start_visit();
     seen_again.visits_in_vain = 0;
     if (seen_again.confirmed || !deserves_belief(seen_again, pose)) continue;
     if (is_twin(id, seen_again, *filter)) continue;
@@ -157,10 +158,14 @@ void LifeCycle<Space>::count_misses(TimeNs stamp, const std::vector<Observation<
     if (!is_in_view(point) || is_hidden(point, observations, report->assignments)) continue;
     Record& missed = record->second;
     if (missed.confirmed) report->missed += missed.detection_rate();
-    if (to_seconds(stamp - missed.last_missed) > kVisitsApart) missed.misses_of_visit = 0;
+    if (to_seconds(stamp - missed.last_missed) > kVisitsApart) missed.start_visit();
     missed.last_missed = stamp;
     ++missed.misses;
-    if (++missed.misses_of_visit == kLooksOfVisit) ++missed.visits_in_vain;
+    ++missed.misses_of_visit;
+    if (missed.is_in_vain || missed.misses_of_visit < kLooksOfVisit || missed.may_be_chance(kMissedByChance))
+      continue;
+    missed.is_in_vain = true;
+    ++missed.visits_in_vain;
   }
 }
 

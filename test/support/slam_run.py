@@ -142,13 +142,13 @@ class SlamRun:
         return pose.position.x, pose.position.y, scenario.heading_of(pose.orientation)
 
     def diagnostics(self, part):
-        """{key: text} of the newest "inputs" or "estimate" status, with its level and message."""
+        """{key: text} of the newest "inputs" or "estimate" status, with its level, message and stamp (ns)."""
         wanted = "%s: %s" % (self.process.name[1:], part)
         for message in reversed(list(_diagnostics[0].messages)):
             for status in message.status:
                 if status.name == wanted:
                     return dict({item.key: item.value for item in status.values}, level=status.level,
-                                message=status.message)
+                                message=status.message, stamp=scenario.to_ns(message.header.stamp))
         return {}
 
     def wait_for_count(self, part, key, count=1):

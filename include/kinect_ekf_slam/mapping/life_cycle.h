@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <map>
 #include <utility>
 #include <vector>
@@ -40,11 +41,22 @@ class LifeCycle {
     // The same since it was last seen.
     TimeNs last_missed = 0;
     int misses_of_visit = 0;
+    bool is_in_vain = false;  ///< the present visit
     int visits_in_vain = 0;
     /// While it is provisional: frames with sightings of others since it was first seen, by their ids.
     std::map<int, int> company;
 
     double detection_rate() const { return static_cast<double>(sightings) / (sightings + misses); }
+    void start_visit() {
+      misses_of_visit = 0;
+      is_in_vain = false;
+    }
+    /// Whether a landmark that is there is missed in so many looks in a row with more than this probability:
+    /// by its detection rate before, of which few looks tell little (Laplace's rule of succession).
+    bool may_be_chance(double probability) const {
+      const int before = misses - misses_of_visit;
+      return std::pow((before + 1.0) / (sightings + before + 2.0), misses_of_visit) > probability;
+    }
   };
 
   void count_sightings(TimeNs stamp, KalmanSlam<Space>* filter, UpdateReport* report);

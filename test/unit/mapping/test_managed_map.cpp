@@ -182,8 +182,8 @@ LifeCycleOptions removing() {
 TEST(ManagedMap, RemovesWhatAVisitLooksForInVain) {
   Keeper keeper(removing());
   keeper.look({{1.5, 0.0}});
-  keeper.look_in_vain(2);
-  EXPECT_EQ(keeper.in_map(), 1U) << "too few looks to say";
+  keeper.look_in_vain(6);
+  EXPECT_EQ(keeper.in_map(), 1U) << "of one sighting nothing is known about how often it is seen";
   keeper.look_in_vain(1);
   EXPECT_EQ(keeper.in_map(), 0U) << "one sighting does not outweigh a visit";
 
@@ -203,6 +203,19 @@ TEST(ManagedMap, RemovesWhatAVisitLooksForInVain) {
     seen_once.look_in_vain(5);
     EXPECT_EQ(seen_once.in_map(), left) << "many sightings of one visit are one error, if it lasted";
     seen_once.seconds += 10.0;
+  }
+}
+
+TEST(ManagedMap, ExpectsWhatIsSeldomSeenSeldom) {
+  for (const int looks_per_sighting : {1, 3}) {
+    Keeper keeper(removing());
+    for (int i = 0; i < 30; ++i) i % looks_per_sighting == 0 ? keeper.look({{1.5, 0.0}}) : keeper.look({});
+    for (int visit = 0; visit < 4; ++visit) {
+      keeper.seconds += 10.0;
+      keeper.look_in_vain(5);
+    }
+    EXPECT_EQ(keeper.in_map(), looks_per_sighting == 1 ? 0U : 1U)
+        << "five misses in a row are nothing unusual for what is seen in one look of three";
   }
 }
 
