@@ -2,7 +2,34 @@
 
 #include <algorithm>
 
+#include "kinect_ekf_slam/estimators/wide_product.h"
+
 namespace kinect_ekf_slam {
+namespace {
+
+using Tall = SymmetricMatrix::Tall;
+
+/// The first columns of a panel, as many as it can: panel += factor * left * right^T. Returns how many.
+int add_wide(double factor, const Tall& left, const Tall& right, double* panel, int width) {
+  constexpr int kTile = 32;  // columns, that are packed on the stack
+  alignas(32) double packed_left[kWideRows * SymmetricMatrix::kMostColumns];
+  alignas(32) double packed_right[kTile * SymmetricMatrix::kMostColumns];
+  const int end = width - width % kWideColumns;
+  const auto depth = left.cols();
+  if (depth > SymmetricMatrix::kMostColumns) return 0;
+  Eigen::Map<Eigen::MatrixXd> all_rows(packed_left, kWideRows, depth);
+  all_rows.topRows(left.rows()) = factor * left;
+  all_rows.bottomRows(kWideRows - left.rows()).setZero();
+  for (int col = 0; col < end; col += kTile) {
+    const int count = std::min(kTile, end - col);
+    Eigen::Map<Eigen::MatrixXd>(packed_right, depth, count) = right.middleRows(col, count).transpose();
+    add_wide_product(panel + Eigen::Index{col} * kWideRows, count, packed_left, packed_right,
+                     static_cast<int>(depth));
+  }
+  return end;
+}
+
+}  // namespace
 
 void SymmetricMatrix::resize(int size) {
   const int old_size = size_;
@@ -62,10 +89,13 @@ void SymmetricMatrix::add_product(double factor, const Tall& left, const Tall& r
 }
 
 void SymmetricMatrix::add_product(int panel, double factor, const Tall& left, const Tall& right) {
+  static_assert(kPanelRows == kWideRows);
   constexpr int kTile = 128;  // columns: of kMostColumns factors they are packed on the stack
   auto target = this->panel(panel).topRows(left.rows());
   const int width = first_row(panel) + static_cast<int>(left.rows());
-  for (int col = 0; col < width; col += kTile) {
+  const bool is_wide = panel > 0 && has_wide_product();
+  for (int col = is_wide ? add_wide(factor, left, right, panels_[panel].data(), width) : 0; col < width;
+       col += kTile) {
     const int count = std::min(kTile, width - col);
     target.middleCols(col, count).noalias() += (factor * left) * right.middleRows(col, count).transpose();
   }

@@ -29,32 +29,21 @@ std::string without_slash(const std::string& frame_id) {
 SensorBridge::SensorBridge(const FrameOptions& frames, const SyncOptions& sync, TransformLookup lookup,
                            Handlers handlers)
     : frames_(frames), sync_(sync), lookup_(std::move(lookup)), handlers_(std::move(handlers)) {
-  make_synchronizer();
+  make_synchronizers();
 }
 
-void SensorBridge::make_synchronizer() {
+void SensorBridge::make_synchronizers() {
   using boost::placeholders::_2;
   const auto interval = ros::Duration(sync_.max_interval);
   const auto queue = static_cast<std::uint32_t>(sync_.queue_size);
-  pairs_.reset();
-  triples_.reset();
-  if (!imu_expected_) {
-    pairs_ = std::make_unique<message_filters::Synchronizer<Pairs>>(Pairs(queue), odometry_filter_,
-                                                                    landmarks_filter_);
-    pairs_->setMaxIntervalDuration(interval);
-    pairs_->registerCallback(boost::bind(&SensorBridge::on_synchronized, this, _2));
-  } else {
-    triples_ = std::make_unique<message_filters::Synchronizer<Triples>>(Triples(queue), odometry_filter_,
-                                                                        landmarks_filter_, imu_filter_);
-    triples_->setMaxIntervalDuration(interval);
-    triples_->registerCallback(boost::bind(&SensorBridge::on_synchronized, this, _2));
-  }
-}
-
-void SensorBridge::expect_imu(bool expected) {
-  if (expected == imu_expected_) return;
-  imu_expected_ = expected;
-  make_synchronizer();
+  pairs_ = std::make_unique<message_filters::Synchronizer<Pairs>>(Pairs(queue), odometry_filter_,
+                                                                  landmarks_filter_);
+  pairs_->setMaxIntervalDuration(interval);
+  pairs_->registerCallback(boost::bind(&SensorBridge::on_pair, this, _2));
+  triples_ = std::make_unique<message_filters::Synchronizer<Triples>>(Triples(queue), odometry_filter_,
+                                                                      landmarks_filter_, imu_filter_);
+  triples_->setMaxIntervalDuration(interval);
+  triples_->registerCallback(boost::bind(&SensorBridge::on_triple, this, _2));
 }
 
 void SensorBridge::reset() {
@@ -65,7 +54,7 @@ void SensorBridge::reset() {
   }
   unsynchronized_.clear();
   imu_expected_ = false;
-  make_synchronizer();
+  make_synchronizers();
 }
 
 bool SensorBridge::refuse(const Input& input, const std::string& reason, const std::string& detail) {
@@ -152,7 +141,7 @@ bool SensorBridge::add_odometry(const nav_msgs::Odometry::ConstPtr& message, con
   }
   if (imu_expected_ && to_seconds(input.last_stamp - imu_input_.last_stamp) > kImuTimeout) {
     refuse(imu_input_, "silent", "none came any more; going on without");
-    expect_imu(false);
+    imu_expected_ = false;
   }
   handlers_.on_frame(std::move(frame));
   odometry_filter_.add(ros::MessageEvent<nav_msgs::Odometry const>(delayed, now));
@@ -178,7 +167,7 @@ bool SensorBridge::add_imu(const sensor_msgs::Imu::ConstPtr& message, const ros:
   SensorFrame frame;
   frame.stamp = to_time(message->header.stamp);
   frame.gyro_rate = base_from_imu->linear() * rate_in_imu;
-  expect_imu(true);
+  imu_expected_ = true;
   handlers_.on_frame(std::move(frame));
   imu_filter_.add(ros::MessageEvent<sensor_msgs::Imu const>(message, now));
   return true;
@@ -200,6 +189,14 @@ bool SensorBridge::add_landmarks(const LandmarkDetectionArray::ConstPtr& message
   return true;
 }
 
+void SensorBridge::on_pair(const LandmarkDetectionArray::ConstPtr& message) {
+  if (!imu_expected_) on_synchronized(message);
+}
+
+void SensorBridge::on_triple(const LandmarkDetectionArray::ConstPtr& message) {
+  if (imu_expected_) on_synchronized(message);
+}
+
 void SensorBridge::on_synchronized(const LandmarkDetectionArray::ConstPtr& message) {
   Input& input = landmarks_input_;
   const TimeNs stamp = to_time(message->header.stamp);
@@ -207,7 +204,8 @@ void SensorBridge::on_synchronized(const LandmarkDetectionArray::ConstPtr& messa
     unsynchronized_.pop_front();
     refuse(input, "unsynchronized", "no odometry (or IMU) within sync/max_interval of it");
   }
-  if (!unsynchronized_.empty()) unsynchronized_.pop_front();
+  if (unsynchronized_.empty() || unsynchronized_.front() != stamp) return;  // a pair before, now a triple
+  unsynchronized_.pop_front();
 
   const std::string frame_id = without_slash(message->header.frame_id);
   const auto base_from_sensor = base_from(frame_id, message->header.stamp);

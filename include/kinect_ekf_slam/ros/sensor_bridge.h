@@ -73,9 +73,10 @@ class SensorBridge {
   bool refuse(const Input& input, const std::string& reason, const std::string& detail);
   void take(Input& input, TimeNs stamp);
   std::optional<Eigen::Isometry3d> base_from(const std::string& frame_id, const ros::Time& stamp) const;
-  void make_synchronizer();
-  /// Pairs while there is no IMU, triples while there is one.
-  void expect_imu(bool expected);
+  /// Both are fed all the time, so that what waits is not lost when the IMU comes or goes.
+  void make_synchronizers();
+  void on_pair(const LandmarkDetectionArray::ConstPtr& message);    ///< counts while there is no IMU
+  void on_triple(const LandmarkDetectionArray::ConstPtr& message);  ///< counts while there is one
   void on_synchronized(const LandmarkDetectionArray::ConstPtr& message);
 
   FrameOptions frames_;

@@ -373,6 +373,28 @@ TEST_F(Bridge, AnImuThatComesLateIsUsedFromThenOn) {
   EXPECT_GE(looks(), 13);
 }
 
+TEST_F(Bridge, DetectionsThatWaitWhenTheFirstImuMessageComesAreUsedOnce) {
+  landmarks(1.0);
+  imu(1.0);
+  odometry(1.0);
+  imu(1.1);
+  odometry(1.1);
+  imu(1.2);
+  odometry(1.2);
+  EXPECT_EQ(looks(), 1);
+
+  make();
+  frames_out_.clear();
+  landmarks(1.0);
+  odometry(1.0);
+  EXPECT_EQ(looks(), 1) << "no IMU so far: a pair";
+  for (const double time : {1.0, 1.1, 1.2}) {
+    imu(time);
+    odometry(time + 0.1);
+  }
+  EXPECT_EQ(looks(), 1);
+}
+
 TEST_F(Bridge, OdometryThatIsStampedEarlyIsDatedLater) {
   sync_.odometry_delay = 0.25;
   make();
