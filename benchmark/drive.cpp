@@ -120,6 +120,7 @@ std::vector<Look> survey(int landmarks) {
     for (int i = first; i < end; ++i) look.sightings.push_back(sighting(map_from_base, world.landmark(i), i));
     looks.push_back(look);
   }
+  looks.push_back({motion(map_from_base.inverse() * world.map_from_base_), {}});
   return looks;
 }
 

@@ -26,6 +26,8 @@ struct Look {
   std::vector<Observation<Planar>> observations() const;
 };
 
+std::vector<Look> survey(int landmarks);
+
 /// A robot that drives at 0.22 m/s and looks ten times a second, to and fro over a square with one landmark
 /// every 6 m^2. The eight nearest ones are seen, at any bearing.
 class Drive {
@@ -41,6 +43,7 @@ class Drive {
   SlamState<Planar> known_map();
 
  private:
+  friend std::vector<Look> survey(int landmarks);
   double noise(double sigma) { return sigma * normal_(random_); }
 
   std::mt19937_64 random_{1};
@@ -51,7 +54,7 @@ class Drive {
   std::vector<Eigen::Vector2d> corners_;  ///< of the way, the next one last
 };
 
-/// The landmarks of a square, eight new ones a look.
+/// The landmarks of a Drive, eight new ones a look, and to where it starts.
 std::vector<Look> survey(int landmarks);
 
 }  // namespace kinect_ekf_slam::benchmarks

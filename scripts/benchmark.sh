@@ -1,18 +1,20 @@
 #!/usr/bin/env bash
 # Measures time per update, association, insertion and memory over the number of landmarks, and prints tables.
-#   scripts/benchmark.sh [--quick] [--mrpt] [--callgrind]
+#   scripts/benchmark.sh [--quick] [--mrpt] [--callgrind | --node]
 #     --quick      leaves out what takes minutes: the largest maps of compressed EKF and MRPT
 #     --mrpt       installs MRPT (libmrpt-dev), beside which ours is measured where it is there
 #     --callgrind  counts instructions with valgrind instead: no clock, the same figures on a busy machine
+#     --node       plays bags/room.bag to slam_node instead: how soon it answers, and what it costs
 # Leaves runs/benchmark/benchmark.json and benchmark.png. Times are those of the thread on its core.
 set -euo pipefail
-quick=false mrpt=false callgrind=false
+quick=false mrpt=false callgrind=false node=false
 for option in "$@"; do
   case $option in
     --quick) quick=true ;;
     --mrpt) mrpt=true ;;
     --callgrind) callgrind=true ;;
-    -h|--help) sed -n '2,7s/^# \?//p' "$0"; exit 0 ;;
+    --node) node=true ;;
+    -h|--help) sed -n '2,8s/^# \?//p' "$0"; exit 0 ;;
     *) echo "benchmark.sh: $option: unknown option; see --help" >&2; exit 2 ;;
   esac
 done
@@ -34,6 +36,23 @@ program=$(find build -name benchmark_slam -type f -perm -u+x | head -n 1)
 if [ -z "$program" ]; then
   echo "benchmark.sh: Google Benchmark was not found; install libbenchmark-dev and call again" >&2
   exit 2
+fi
+
+if $node; then
+  # A master of its own on a free port; everything that this script starts ends with it.
+  port=$(python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
+  export ROS_MASTER_URI=http://127.0.0.1:$port ROS_HOSTNAME=127.0.0.1 ROS_LOG_DIR=$PWD/$out/log
+  started=()
+  trap 'kill "${started[@]}" 2>/dev/null; wait' EXIT
+  build/devel/env.sh rosmaster --core -p "$port" >"$out/rosmaster.log" 2>&1 &
+  started+=($!)
+  until (: >"/dev/tcp/127.0.0.1/$port") 2>/dev/null; do sleep 0.1; done
+  build/devel/env.sh rosparam load config/slam.yaml /slam_node
+  "$(find build -name slam_node -type f -perm -u+x | head -n 1)" >"$out/slam_node.log" 2>&1 &
+  started+=($!)
+  echo "Playing bags/room.bag to slam_node (a minute or two) ..." >&2
+  "$(find build -name benchmark_node -type f -perm -u+x | head -n 1)" bags/room.bag $!
+  exit
 fi
 
 if $callgrind; then

@@ -74,11 +74,12 @@ void SlamNode::connect() {
                private_handle_.advertiseService(names::kPause, &SlamNode::pause, this),
                private_handle_.advertiseService(names::kSetMode, &SlamNode::set_mode, this),
                private_handle_.advertiseService(names::kRelocalize, &SlamNode::relocalize, this)};
-  subscribers_ = {handle_.subscribe(sync.odometry_topic, queue, &SlamNode::on_odometry, this),
-                  handle_.subscribe(sync.landmarks_topic, queue, &SlamNode::on_landmarks, this),
+  const auto at_once = ros::TransportHints().tcpNoDelay();
+  subscribers_ = {handle_.subscribe(sync.odometry_topic, queue, &SlamNode::on_odometry, this, at_once),
+                  handle_.subscribe(sync.landmarks_topic, queue, &SlamNode::on_landmarks, this, at_once),
                   handle_.subscribe(names::kInitialPose, 1, &SlamNode::on_initial_pose, this)};
   if (!sync.imu_topic.empty())
-    subscribers_.push_back(handle_.subscribe(sync.imu_topic, queue, &SlamNode::on_imu, this));
+    subscribers_.push_back(handle_.subscribe(sync.imu_topic, queue, &SlamNode::on_imu, this, at_once));
 
   live_ = std::make_unique<dynamic_reconfigure::Server<SlamConfig>>(
       live_mutex_, ros::NodeHandle(private_handle_, names::kLive));
