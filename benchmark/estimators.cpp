@@ -12,7 +12,6 @@
 namespace kinect_ekf_slam::benchmarks {
 namespace {
 
-using Estimator = SlamEstimator<Planar>;
 using Type = EstimatorOptions::Type;
 
 AssociationOptions known_identities() {
@@ -29,13 +28,15 @@ EstimatorOptions options_of(Type type, int landmarks) {
   return options;
 }
 
-std::unique_ptr<Estimator> make(Type type, int landmarks) {
-  return make_estimator<Planar>(options_of(type, landmarks), known_identities(), {});
+template <class Space>
+std::unique_ptr<SlamEstimator<Space>> make(Type type, int landmarks) {
+  return make_estimator<Space>(options_of(type, landmarks), known_identities(), {});
 }
 
-void follow(const std::vector<Look>& looks, Estimator* estimator) {
+template <class Space>
+void follow(const std::vector<Look<Space>>& looks, SlamEstimator<Space>* estimator) {
   TimeNs stamp = 0;
-  for (const Look& look : looks) {
+  for (const auto& look : looks) {
     estimator->predict(look.motion);
     estimator->observe(++stamp, look.observations());
   }
@@ -43,10 +44,11 @@ void follow(const std::vector<Look>& looks, Estimator* estimator) {
 
 /// Particles map the world themselves: to draw them from the covariance of a large map takes its Cholesky
 /// factor.
-std::unique_ptr<Estimator> make_with_map(Type type, Drive* drive) {
-  auto estimator = make(type, drive->landmark_count());
+template <class Space>
+std::unique_ptr<SlamEstimator<Space>> make_with_map(Type type, Drive<Space>* drive) {
+  auto estimator = make<Space>(type, drive->landmark_count());
   if (type == Type::kFastSlam1 || type == Type::kFastSlam2) {
-    follow(survey(drive->landmark_count()), estimator.get());
+    follow(survey<Space>(drive->landmark_count()), estimator.get());
   } else {
     estimator->restore(drive->known_map());
   }
@@ -59,14 +61,15 @@ int matched(const UpdateReport& report) {
   return count;
 }
 
+template <class Space>
 void update(benchmark::State& state, Type type) {
-  Drive drive(static_cast<int>(state.range(0)));
+  Drive<Space> drive(static_cast<int>(state.range(0)));
   const auto estimator = make_with_map(type, &drive);
   StepTimes times;
   TimeNs stamp = 100000000000;  // ns
   std::int64_t matches = 0;
   const auto step = [&](const auto& measure) {
-    const Look look = drive.next();
+    const Look<Space> look = drive.next();
     const auto observations = look.observations();
     stamp += 100000000;  // ns
     measure([&] {
@@ -86,10 +89,10 @@ void update(benchmark::State& state, Type type) {
 /// A map of so many landmarks from nothing, eight a view.
 void insert(benchmark::State& state, Type type) {
   const int landmarks = static_cast<int>(state.range(0));
-  const auto looks = survey(landmarks);
+  const auto looks = survey<Planar>(landmarks);
   StepTimes times;
   for (auto _ : state) {
-    const auto estimator = make(type, landmarks);
+    const auto estimator = make<Planar>(type, landmarks);
     times.measure(state, [&] { follow(looks, estimator.get()); });
     if (static_cast<int>(estimator->landmarks().size()) != landmarks)
       state.SkipWithError("landmarks are missing");
@@ -99,13 +102,13 @@ void insert(benchmark::State& state, Type type) {
 
 /// Eight sightings without identity and a map: who is who, and no more.
 void associate(benchmark::State& state, AssociationOptions::Type type) {
-  Drive drive(static_cast<int>(state.range(0)));
+  Drive<Planar> drive(static_cast<int>(state.range(0)));
   AssociationOptions association;
   association.type = type;
   const auto associator = make_associator<Planar>(association);
   const auto filter = make_kalman<Planar>(options_of(Type::kEkf, drive.landmark_count()), association, {});
   filter->restore(drive.known_map());
-  const Look look = drive.next();
+  const Look<Planar> look = drive.next();
   filter->predict(look.motion);
   const auto observations = look.observations();
   StepTimes times;
@@ -126,8 +129,8 @@ double allocated() {
 void memory(benchmark::State& state, Type type) {
   const int landmarks = static_cast<int>(state.range(0));
   for (auto _ : state) {
-    const auto looks = survey(landmarks);
-    const auto estimator = make(type, landmarks);
+    const auto looks = survey<Planar>(landmarks);
+    const auto estimator = make<Planar>(type, landmarks);
     const double before = allocated();
     follow(looks, estimator.get());
     state.counters["kB_per_landmark"] = (allocated() - before) / 1024.0 / landmarks;
@@ -148,17 +151,19 @@ void register_estimators() {
   };
   for (const int n : {50, 100, 200, 500, 1000, 2000}) {
     const int steps = n < 1000 ? 300 : 60;
-    add("update/ekf", update, Type::kEkf, n, steps);
-    add("update/invariant_ekf", update, Type::kInvariantEkf, n, steps);
-    add("update/ukf", update, Type::kUkf, n, steps);
+    add("update/ekf", update<Planar>, Type::kEkf, n, steps);
+    add("update/invariant_ekf", update<Planar>, Type::kInvariantEkf, n, steps);
+    add("update/ukf", update<Planar>, Type::kUkf, n, steps);
+    if (n <= 1000) add("spatial/ekf", update<Spatial>, Type::kEkf, n, steps);
+    if (n <= 1000) add("spatial/invariant_ekf", update<Spatial>, Type::kInvariantEkf, n, steps);
     add("associate/nearest_neighbor", associate, AssociationOptions::Type::kNearestNeighbor, n, 100);
   }
   for (const int n : {100, 500, 1000, 2000, 5000, 10000}) {
-    add("update/compressed_ekf", update, Type::kCompressedEkf, n, n <= 2000 ? 3000 : 600);
+    add("update/compressed_ekf", update<Planar>, Type::kCompressedEkf, n, n <= 2000 ? 3000 : 600);
   }
   for (const int n : {50, 100, 200, 500, 1000, 2000, 10000}) {
-    add("update/fastslam1", update, Type::kFastSlam1, n, 100);
-    add("update/fastslam2", update, Type::kFastSlam2, n, 100);
+    add("update/fastslam1", update<Planar>, Type::kFastSlam1, n, 100);
+    add("update/fastslam2", update<Planar>, Type::kFastSlam2, n, 100);
   }
   add("insert/ekf", insert, Type::kEkf, 2000, 3);
   add("insert/invariant_ekf", insert, Type::kInvariantEkf, 2000, 3);

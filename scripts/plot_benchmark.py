@@ -28,6 +28,8 @@ LINES = {"limit/rank16": ("bare rank-16 update", "0.5", "--"), "limit/one_pass":
          "update/ukf": ("UKF", "#cc3399", "-"), "update/compressed_ekf": ("compressed EKF", "#009e73", "-"),
          "update/fastslam1": ("FastSLAM 1.0", "#56b4e9", "-"), "update/fastslam2": ("FastSLAM 2.0", "#999933", "-"),
          "update/mrpt_davison": ("MRPT, Davison", "#d55e00", "-."), "update/mrpt_full": ("MRPT, full", "#882255", "-.")}
+SPATIAL = {"spatial/ekf": "EKF", "spatial/invariant_ekf": "right-invariant EKF", "spatial/mrpt_davison": "MRPT, Davison",
+           "spatial/mrpt_full": "MRPT, full"}
 STEEP_FROM = 500  # landmarks: growth is told from here on
 
 
@@ -64,6 +66,20 @@ def table(head, rows, form):
         print((line + (f"   n^{slope:.2f}" if slope is not None else "")).rstrip())
 
 
+def print_spatial(series):
+    medians = {name: {n: run["median_ms"] for n, run in series[name].items()} for name in SPATIAL if series[name]}
+    head = sorted({n for times in medians.values() for n in times})
+    if not head:
+        return
+    print("\nTime per update in space, the pose of six degrees of freedom and landmarks of three: median, ms")
+    rows = [(SPATIAL[name], times, growth(times)) for name, times in medians.items()]
+    beside = [medians[name] for name in ("spatial/mrpt_davison", "spatial/mrpt_full") if name in medians]
+    if beside:
+        fastest = {n: min(times[n] for times in beside) / medians["spatial/ekf"][n] for n in beside[0]}
+        rows.append(("MRPT's faster method to EKF", fastest, None))
+    table(head, rows, "{:.3g}")
+
+
 def print_tables(series):
     medians = {name: {n: run["median_ms"] for n, run in sorted(series[name].items())} for name in LINES if series[name]}
     head = sorted({n for times in medians.values() for n in times})
@@ -83,6 +99,8 @@ def print_tables(series):
         rows += [("MRPT's faster method to EKF", ratio(fastest, ekf), None),
                  ("... to compressed EKF", ratio(fastest, medians["update/compressed_ekf"]), None)]
     table(head, rows, "{:.3g}")
+
+    print_spatial(series)
 
     print("\nCompressed EKF, single steps, ms")
     worst = series["update/compressed_ekf"]
