@@ -58,7 +58,7 @@ fi
 if $callgrind; then
   command -v valgrind >/dev/null || { echo "benchmark.sh: no valgrind here; install it and call again" >&2; exit 2; }
   echo "instructions of an observation, 8 landmarks in view"
-  for benchmark in update/{ekf,invariant_ekf,compressed_ekf,ukf}/{100,200}; do
+  for benchmark in update/{ekf,invariant_ekf,ukf}/{100,200} update/compressed_ekf/{100,500}; do
     # The program runs the same steps with and without the clock; those of observe() are counted.
     valgrind --tool=callgrind --callgrind-out-file=/dev/null --collect-atstart=no --toggle-collect='*::observe(*' \
       "$program" --benchmark_filter="^$benchmark/" >"$out/callgrind.log" 2>&1

@@ -13,6 +13,11 @@ constexpr int kMostJoint = 64;  // sightings; beyond, the quantile of so many is
 
 double squared(double value) { return value * value; }
 
+/// Cheap, and never wrong: the largest eigenvalue of S is at most its trace.
+bool is_beyond(double squared_distance, double trace, const AssociationReach& reach) {
+  return squared_distance > squared(reach.distance) && squared_distance > reach.squared_mahalanobis * trace;
+}
+
 double descriptor_distance(const std::vector<float>& seen, const std::vector<float>& mapped) {
   if (seen.empty() || seen.size() != mapped.size()) return 0.0;
   return (Eigen::Map<const Eigen::VectorXf>(seen.data(), static_cast<Eigen::Index>(seen.size())) -
@@ -73,8 +78,9 @@ GatedPairs<Space> Gates<Space>::pair(const std::vector<Observation<Space>>& obse
     const typename Space::PointMatrix covariance = map.covariance(landmark);
     for (std::size_t k = 0; k < observations.size(); ++k) {
       const typename Space::Point innovation = observations[k].position_in_base - expected;
-      const auto distance =
-          squared_mahalanobis<Space::kPointDim>(innovation, covariance + observations[k].covariance);
+      const typename Space::PointMatrix S = covariance + observations[k].covariance;
+      if (is_beyond(innovation.squaredNorm(), S.trace(), reach())) continue;
+      const auto distance = squared_mahalanobis<Space::kPointDim>(innovation, S);
       Assignment& assignment = gated.otherwise[k];
       if (!distance) {
         assignment.verdict = Verdict::kSingular;
