@@ -3,7 +3,7 @@
 
   scripts/update_readme.py            the table of parameters
   scripts/update_readme.py --check    fails when that table is not what the programs say
-  scripts/update_readme.py --figures  also runs the demo, the study, the real data and the benchmark, and puts in their last output
+  scripts/update_readme.py --figures  also runs the demo, the study, the real data, GPS withheld and the benchmark, and puts in their last output
 """
 import argparse
 import os
@@ -65,6 +65,7 @@ def main():
         after = put(after, "hard study", fenced(output_of(ENVIRONMENT, "slam_study", "room", "--world", "config/worlds/room_hard.yaml")))
         after = put(after, "consistency", fenced(consistency_figures()))
         after = put(after, "real data", fenced(output_of("scripts/evaluate_real_data.py", "--estimators")))
+        after = put(after, "withheld", fenced(output_of("scripts/evaluate_withheld.py")))
         after = put(after, "demo", fenced(demo_summary()))
         after = put(after, "benchmark", fenced(benchmark_tables()))
     if arguments.check:

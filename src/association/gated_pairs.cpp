@@ -5,6 +5,7 @@
 
 #include "kinect_ekf_slam/association/gate.h"
 #include "kinect_ekf_slam/core/chi_square.h"
+#include "kinect_ekf_slam/core/position.h"
 
 namespace kinect_ekf_slam {
 namespace {
@@ -74,6 +75,7 @@ GatedPairs<Space> Gates<Space>::pair(const std::vector<Observation<Space>>& obse
     assignment.verdict = Verdict::kCreated;  // until a landmark objects
   }
   for (int landmark = 0; landmark < map.size(); ++landmark) {
+    if (is_beacon(map.info(landmark).id)) continue;
     const typename Space::Point expected = map.point_in_base(landmark);
     const typename Space::PointMatrix covariance = map.covariance(landmark);
     for (std::size_t k = 0; k < observations.size(); ++k) {

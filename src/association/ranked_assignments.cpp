@@ -8,6 +8,7 @@
 
 #include "kinect_ekf_slam/association/gate.h"
 #include "kinect_ekf_slam/association/joint_innovation.h"
+#include "kinect_ekf_slam/core/position.h"
 
 namespace kinect_ekf_slam {
 namespace {
@@ -56,7 +57,7 @@ bool AssignmentRanking<Space>::is_free(std::size_t k, const std::vector<Observat
     return distance && *distance >= gates_.new_landmark();
   };
   for (int landmark = 0; landmark < map.size(); ++landmark) {
-    if (!is_apart(map.point_in_base(landmark))) return false;
+    if (!is_beacon(map.info(landmark).id) && !is_apart(map.point_in_base(landmark))) return false;
   }
   for (std::size_t other = 0; other < observations.size(); ++other) {
     const bool is_new = ranked.assignments[other].verdict == Verdict::kCreated;

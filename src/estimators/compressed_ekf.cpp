@@ -46,16 +46,27 @@ int CompressedEkf<Space>::index_of(int id) {
   return Base::index_of(id);
 }
 
-/// The constraint touches the whole map: it is put upon the whole, and the region begins anew.
 template <class Space>
-bool CompressedEkf<Space>::merge(int kept_id, int dropped_id, double gate) {
+template <class Change>
+void CompressedEkf<Space>::change_whole(const Change& change) {
   finish_whole();
   std::vector<int> all(static_cast<std::size_t>(whole_.landmark_count()));
   std::iota(all.begin(), all.end(), 0);
   activate(std::move(all));
-  const bool merged = Base::merge(kept_id, dropped_id, gate);
-  restore(state_.snapshot());
+  change();
+  start_anew();
+}
+
+template <class Space>
+bool CompressedEkf<Space>::merge(int kept_id, int dropped_id, double gate) {
+  bool merged = false;
+  change_whole([&] { merged = Base::merge(kept_id, dropped_id, gate); });
   return merged;
+}
+
+template <class Space>
+void CompressedEkf<Space>::loosen(const typename Space::PoseMatrix& covariance) {
+  change_whole([&] { Base::loosen(covariance); });
 }
 
 template <class Space>
@@ -77,7 +88,7 @@ std::vector<int> CompressedEkf<Space>::choose_active(const std::set<int>& others
   std::vector<int> landmarks;
   for (int i = 0; i < whole_.landmark_count(); ++i) {
     const bool is_near = (whole_.landmark(i) - robot).norm() < options_.active_radius;
-    if (is_near || others.count(i) > 0) landmarks.push_back(i);
+    if (is_near || is_beacon(whole_.info(i).id) || others.count(i) > 0) landmarks.push_back(i);
   }
   return landmarks;
 }
@@ -197,6 +208,21 @@ void CompressedEkf<Space>::corrected(const std::vector<Match>& matches,
 }
 
 template <class Space>
+void CompressedEkf<Space>::located(const Eigen::Ref<const Eigen::MatrixXd>& L,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& weighted,
+                                   const Eigen::Ref<const Eigen::VectorXd>& whitened) {
+  if (passive_.empty()) return;
+  const Eigen::MatrixXd& phi = deferred_.phi();
+  Eigen::Map<Eigen::MatrixXd> L_H_phi = L_H_phi_.matrix(whitened.size(), phi.cols());  // L^-1 H phi
+  L_H_phi.noalias() = located_.by_pose * phi.topRows<kPoseDim>();
+  if (located_.landmark >= 0) {
+    L_H_phi.noalias() += located_.by_landmark * phi.middleRows<kPointDim>(state_.row(located_.landmark));
+  }
+  L.template triangularView<Eigen::Lower>().solveInPlace(L_H_phi);
+  deferred_.correct(weighted, whitened, L_H_phi, map_fixed_);
+}
+
+template <class Space>
 std::vector<LandmarkEstimate<Space>> CompressedEkf<Space>::landmarks() const {
   std::vector<LandmarkEstimate<Space>> estimates(map_size());
   for (const Passive& passive : passive_) {
@@ -224,6 +250,11 @@ SlamState<Space> CompressedEkf<Space>::snapshot() const {
 template <class Space>
 void CompressedEkf<Space>::restore(const SlamState<Space>& state) {
   Base::restore(state);
+  start_anew();
+}
+
+template <class Space>
+void CompressedEkf<Space>::start_anew() {
   whole_ = std::move(state_);
   pending_.clear();
   activate(choose_active({}));

@@ -2,9 +2,11 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "kinect_ekf_slam/association/gate.h"
+#include "kinect_ekf_slam/core/angles.h"
 
 namespace kinect_ekf_slam {
 namespace {
@@ -89,7 +91,7 @@ UpdateReport KalmanSlam<Space>::apply(TimeNs stamp, const Observations& observat
     } else if (map_size() >= options_.max_landmarks) {
       assignment.verdict = Verdict::kMapFull;
     } else {
-      add_landmark(stamp, observations[k], assignment.landmark);
+      map_sighting(stamp, observations[k], assignment.landmark);
       assignment.landmark = state_.info(state_.landmark_count() - 1).id;
     }
   }
@@ -106,45 +108,110 @@ bool KalmanSlam<Space>::update(TimeNs stamp, const Observations& observations,
   PredictedMeasurement predicted{mean_.vector(dof), cross_.matrix(state_.size(), dof),
                                  covariance_.matrix(dof, dof)};
   predict_measurement(matches, &predicted);
-  Eigen::Map<Eigen::VectorXd>& innovation = predicted.mean;  // nu
-  Eigen::Map<Eigen::MatrixXd>& S = predicted.covariance;     // H P H^T + R
-  Eigen::Map<Eigen::MatrixXd>& weighted = predicted.cross;   // P H^T
-  innovation *= -1.0;
+  predicted.mean *= -1.0;
   for (std::size_t j = 0; j < matches.size(); ++j) {
     const int row = kPointDim * static_cast<int>(j);
     const Observation<Space>& observation = observations[matches[j].observation];
-    innovation.segment<kPointDim>(row) += observation.position_in_base;
-    S.block<kPointDim, kPointDim>(row, row) += measurement_noise(stamp, observation, matches[j]);
+    predicted.mean.template segment<kPointDim>(row) += observation.position_in_base;  // nu
+    predicted.covariance.template block<kPointDim, kPointDim>(row, row) +=            // H P H^T + R
+        measurement_noise(stamp, observation, matches[j]);
   }
+  if (!take_in(&predicted, false)) return false;
+  for (const Match& match : matches) {
+    LandmarkInfo& info = state_.info(match.landmark);
+    if (map_fixed_) {
+      info.last_seen = stamp;  // the next one may be an echo
+    } else {
+      info.add(stamp, observations[match.observation].signature);
+    }
+  }
+  corrected(matches, predicted.covariance, predicted.cross, predicted.mean);
+  report->nis = predicted.mean.squaredNorm();
+  report->dof = dof;
+  return true;
+}
+
+template <class Space>
+bool KalmanSlam<Space>::take_in(PredictedMeasurement* innovation, bool is_absolute) {
+  Eigen::Map<Eigen::MatrixXd>& S = innovation->covariance;
+  Eigen::Map<Eigen::MatrixXd>& weighted = innovation->cross;  // P H^T
+  Eigen::Map<Eigen::VectorXd>& whitened = innovation->mean;   // nu
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> cholesky(S);  // S = L L^T, in its place
-  if (!innovation.allFinite() || cholesky.info() != Eigen::Success || !is_regular(S)) return false;
+  if (!whitened.allFinite() || cholesky.info() != Eigen::Success || !is_regular(S)) return false;
 
   // x += K nu and P -= K S K^T, with K S K^T = (P H^T L^-T) (P H^T L^-T)^T.
   const auto L = cholesky.matrixL();
-  Eigen::Map<Eigen::VectorXd>& whitened = innovation;
   L.solveInPlace(whitened);
   solve_on_the_right(L.transpose(), &weighted);
   Eigen::Map<Eigen::VectorXd> error = error_.vector(state_.size());  // K nu
   error.noalias() = weighted * whitened;
   if (map_fixed_) {  // Schmidt-Kalman: the map is uncertain but stands still, equation (4.10)
     state_.correct_pose(weighted);
-    retract(error.head<kPoseDim>());
-    for (const Match& match : matches)
-      state_.info(match.landmark).last_seen = stamp;  // the next one may be an echo
+    const auto of_pose = error.template head<kPoseDim>();
+    is_absolute ? add(of_pose) : retract(of_pose);
   } else {
-    correct(weighted, error);
-    for (const Match& match : matches)
-      state_.info(match.landmark).add(stamp, observations[match.observation].signature);
+    is_absolute ? add_correction(weighted, error) : correct(weighted, error);
   }
   S.triangularView<Eigen::StrictlyUpper>().setZero();
-  corrected(matches, S, weighted, whitened);
-  report->nis = whitened.squaredNorm();
-  report->dof = dof;
   return true;
 }
 
+/// The same update by what else tells where the robot is: docs/theory.md, section 11.
 template <class Space>
-void KalmanSlam<Space>::retract(const Eigen::Ref<const Eigen::VectorXd>& error) {
+LocateReport KalmanSlam<Space>::locate(const PoseMeasurement<Space>& measurement, int landmark_id,
+                                       double gate) {
+  const int landmark = landmark_id == kNoId ? -1 : index_of(landmark_id);
+  if (landmark_id != kNoId && landmark < 0) return {PositionVerdict::kUnknownBeacon};
+  const Eigen::MatrixXd R = measurement.noise();
+  PredictedMeasurement predicted{mean_.vector(R.rows()), cross_.matrix(state_.size(), R.rows()),
+                                 covariance_.matrix(R.rows(), R.rows())};
+  LocateReport report{PositionVerdict::kSingular};
+  if (!predict_measurement(measurement, landmark, &predicted)) return report;
+  predicted.mean *= -1.0;  // nu
+  report.innovation = predicted.mean;
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(predicted.covariance + R);
+  if (cholesky.info() != Eigen::Success || !predicted.mean.allFinite()) return report;
+  report.squared_distance = cholesky.matrixL().solve(predicted.mean).squaredNorm();
+  const double log_determinant = 2.0 * Eigen::MatrixXd(cholesky.matrixL()).diagonal().array().log().sum();
+  report.log_likelihood = -0.5 * (report.squared_distance + log_determinant +
+                                  static_cast<double>(R.rows()) * std::log(2.0 * kPi));
+  report.verdict = PositionVerdict::kOutsideGate;
+  if (!(report.squared_distance < gate)) return report;
+  const double doubt = options_.robust_threshold > 0.0
+                           ? std::max(1.0, report.squared_distance / options_.robust_threshold)
+                           : 1.0;
+  predicted.covariance += doubt * R;
+  report.verdict = take_in(&predicted, true) ? PositionVerdict::kUsed : PositionVerdict::kSingular;
+  if (report.verdict == PositionVerdict::kUsed) {
+    located(predicted.covariance, predicted.cross, predicted.mean);
+  }
+  return report;
+}
+
+template <class Space>
+void KalmanSlam<Space>::add_landmark(int id, const Point& position_in_map, const PointMatrix& covariance) {
+  LandmarkInfo info;
+  info.id = id;
+  ids_.take(id);
+  insert_landmark(std::move(info), position_in_map, Space::PointByPose::Zero(), covariance);
+}
+
+/// P += J Sigma J^T, equation (11.8).
+template <class Space>
+void KalmanSlam<Space>::loosen(const PoseMatrix& covariance) {
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(state_.size(), kPoseDim);
+  const auto move_point = [&](int row, const Point& point) {
+    J.template middleRows<kPointDim>(row).template leftCols<kPointDim>().setIdentity();
+    J.template middleRows<kPointDim>(row).template rightCols<Space::kTurnDim>() = Space::by_turn(point);
+  };
+  move_point(0, state_.map_from_base().translation());
+  J.template block<Space::kTurnDim, Space::kTurnDim>(kPointDim, kPointDim).setIdentity();
+  for (int i = 0; i < state_.landmark_count(); ++i) move_point(state_.row(i), state_.landmark(i));
+  state_.covariance().add_product(1.0, J * covariance, J);
+}
+
+template <class Space>
+void KalmanSlam<Space>::add(const Eigen::Ref<const Eigen::VectorXd>& error) {
   const typename Space::Pose& pose = state_.map_from_base();
   state_.set_map_from_base(
       Space::retract(pose, local_from_error<Space>(pose) * error.template head<kPoseDim>()));
@@ -155,7 +222,7 @@ void KalmanSlam<Space>::retract(const Eigen::Ref<const Eigen::VectorXd>& error) 
 
 /// l = pose * z with its full cross-covariance, equations (4.11) and (4.12).
 template <class Space>
-void KalmanSlam<Space>::add_landmark(TimeNs stamp, const Observation<Space>& observation, int id) {
+void KalmanSlam<Space>::map_sighting(TimeNs stamp, const Observation<Space>& observation, int id) {
   const Point& z = observation.position_in_base;
   const typename Space::Pose& pose = state_.map_from_base();
   const PointMatrix by_measurement = pose.rotation();
@@ -180,7 +247,7 @@ void KalmanSlam<Space>::replace_if_contradicted(TimeNs stamp, const Observations
     const int index = index_of(assignment.landmark);
     ids_.misplaced(state_.info(index));
     remove_landmark(index);
-    add_landmark(stamp, observations[k]);
+    map_sighting(stamp, observations[k]);
     assignment.verdict = Verdict::kCreated;
     assignment.landmark = state_.info(state_.landmark_count() - 1).id;
   }

@@ -34,45 +34,60 @@ void Ukf<Space>::predict(const MotionStep<Space>& step) {
 }
 
 template <class Space>
-void Ukf<Space>::predict_measurement(const std::vector<Match>& matches, PredictedMeasurement* predicted) {
-  const int points = kPointDim * static_cast<int>(matches.size());
-  const int dimension = kPoseDim + points;
-
-  // The covariance of the pose and the landmarks observed, from their columns in that of the whole state_.
-  Eigen::MatrixXd columns(state_.size(), dimension);
-  std::vector<int> rows(matches.size() + 1, 0);  // in the state: of the pose, then of each landmark
-  for (std::size_t j = 0; j < matches.size(); ++j) rows[j + 1] = state_.row(matches[j].landmark);
-  const auto for_each_block = [&](const auto& visit) {
-    visit(rows[0], 0, kPoseDim);
-    for (std::size_t j = 1; j < rows.size(); ++j) {
-      visit(rows[j], kPoseDim + kPointDim * (static_cast<int>(j) - 1), kPointDim);
-    }
-  };
-  for_each_block([&](int row, int column, int size) {
-    state_.covariance().copy_columns(row, columns.middleCols(column, size));
+template <class Function>
+void Ukf<Space>::transform(const std::vector<int>& landmarks, const Function& function,
+                           PredictedMeasurement* predicted) const {
+  // The covariance of the pose and the landmarks measured, from their columns in that of the whole state_.
+  const Eigen::MatrixXd columns = state_.columns(landmarks);
+  Eigen::MatrixXd measured(columns.cols(), columns.cols());
+  Eigen::VectorXd points(columns.cols() - kPoseDim);
+  GaussianState<Space>::for_each_block(landmarks, [&](int row, int in_part, int count) {
+    measured.middleRows(in_part, count) = columns.middleRows(row, count);
   });
-  Eigen::MatrixXd observed(dimension, dimension);
-  for_each_block([&](int row, int column, int size) {
-    observed.middleRows(column, size) = columns.middleRows(row, size);
-  });
-
+  for (std::size_t j = 0; j < landmarks.size(); ++j) {
+    points.template segment<kPointDim>(kPointDim * static_cast<int>(j)) = state_.landmark(landmarks[j]);
+  }
   const typename Space::Pose& pose = state_.map_from_base();
-  const auto transform =
-      unscented_transform(cholesky_root(observed), UnscentedOptions(), [&](const Eigen::VectorXd& error) {
-        const auto from_map =
-            Space::retract(pose, local_from_error<Space>(pose) * error.template head<kPoseDim>()).inverse();
-        Eigen::VectorXd seen(points);
-        for (std::size_t j = 0; j < matches.size(); ++j) {
-          const int row = kPointDim * static_cast<int>(j);
-          const Point landmark =
-              state_.landmark(matches[j].landmark) + error.template segment<kPointDim>(kPoseDim + row);
-          seen.template segment<kPointDim>(row) = from_map * landmark;
-        }
-        return seen;
+  const auto sent =
+      unscented_transform(cholesky_root(measured), UnscentedOptions(), [&](const Eigen::VectorXd& error) {
+        const auto moved =
+            Space::retract(pose, local_from_error<Space>(pose) * error.template head<kPoseDim>());
+        return Eigen::VectorXd(function(moved, Eigen::VectorXd(points + error.tail(points.size()))));
       });
-  predicted->mean = transform.mean;
-  predicted->covariance = transform.covariance;
-  predicted->cross = columns * transform.slope.transpose();  // P_rest,a P_aa^-1 P_az for all rows at once
+  predicted->mean = sent.mean;
+  predicted->covariance = sent.covariance;
+  predicted->cross = columns * sent.slope.transpose();  // P_rest,a P_aa^-1 P_az for all rows at once
+}
+
+template <class Space>
+void Ukf<Space>::predict_measurement(const std::vector<Match>& matches, PredictedMeasurement* predicted) {
+  std::vector<int> landmarks;
+  for (const Match& match : matches) landmarks.push_back(match.landmark);
+  const auto see = [](const typename Space::Pose& pose, const Eigen::VectorXd& points) {
+    const typename Space::Pose from_map = pose.inverse();
+    Eigen::VectorXd seen(points.size());
+    for (Eigen::Index row = 0; row < points.size(); row += kPointDim) {
+      seen.template segment<kPointDim>(row) = from_map * Point(points.template segment<kPointDim>(row));
+    }
+    return seen;
+  };
+  transform(landmarks, see, predicted);
+}
+
+template <class Space>
+bool Ukf<Space>::predict_measurement(const PoseMeasurement<Space>& measurement, int landmark,
+                                     PredictedMeasurement* predicted) {
+  std::vector<int> landmarks;
+  if (landmark >= 0) landmarks.push_back(landmark);
+  bool is_defined = true;
+  const auto measure = [&](const typename Space::Pose& pose, const Eigen::VectorXd& points) {
+    const auto expected = measurement.expect(pose, points.size() == 0 ? Point(Point::Zero()) : Point(points));
+    is_defined = is_defined && expected;
+    return expected ? Eigen::VectorXd(-expected->innovation)
+                    : Eigen::VectorXd(Eigen::VectorXd::Zero(predicted->mean.size()));
+  };
+  transform(landmarks, measure, predicted);
+  return is_defined;
 }
 
 template class Ukf<Planar>;

@@ -7,6 +7,7 @@
 
 #include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/core/chi_square.h"
+#include "kinect_ekf_slam/core/position.h"
 
 namespace kinect_ekf_slam {
 namespace {
@@ -199,7 +200,8 @@ void LifeCycle<Space>::merge_duplicates(KalmanSlam<Space>* filter, UpdateReport*
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     for (std::size_t j = i + 1; j < landmarks.size(); ++j) {
       const double distance = (landmarks[i].position_in_map - landmarks[j].position_in_map).norm();
-      if (distance > options_.merge_distance) continue;
+      const bool has_beacon = is_beacon(landmarks[i].info.id) || is_beacon(landmarks[j].info.id);
+      if (distance > options_.merge_distance || has_beacon) continue;
       const bool keep_first = landmarks[i].info.observations >= landmarks[j].info.observations;
       pairs.push_back({distance, keep_first ? i : j, keep_first ? j : i});
     }

@@ -135,9 +135,8 @@ SavedState parse(const YAML::Node& root, const std::string& expected_frame) {
     state.infos.push_back(landmark_info(landmarks[i]));
     state.landmarks_in_map.row(i) =
         numbers(landmarks[i]["position"], layout.point_dim, kFarthest, "a position").transpose();
-    if (state.infos.back().id < 0 || !ids.insert(state.infos.back().id).second) {
-      throw MapFileError("landmark id " + std::to_string(state.infos.back().id) +
-                         " is negative or used twice");
+    if (state.infos.back().id == kNoId || !ids.insert(state.infos.back().id).second) {
+      throw MapFileError("landmark id " + std::to_string(state.infos.back().id) + " is none or used twice");
     }
   }
   const Eigen::Index size = layout.pose_dim + layout.point_dim * count;

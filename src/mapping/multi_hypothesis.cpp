@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -82,6 +83,31 @@ UpdateReport MultiHypothesis<Space>::observe(TimeNs stamp, const Observations& o
   decide(stamp);
   tell_revisions(stamp, &report);
   return report;
+}
+
+template <class Space>
+LocateReport MultiHypothesis<Space>::locate(const PoseMeasurement<Space>& measurement, int landmark_id,
+                                            double gate) {
+  const LocateReport report = hypotheses_.front().map->locate(measurement, landmark_id, gate);
+  if (report.verdict != PositionVerdict::kUsed) return report;
+  for (std::size_t i = 1; i < hypotheses_.size(); ++i) {
+    const LocateReport other =
+        hypotheses_[i].map->locate(measurement, landmark_id, std::numeric_limits<double>::infinity());
+    if (other.verdict != PositionVerdict::kUsed) continue;
+    hypotheses_[i].log_weight += other.log_likelihood - report.log_likelihood;
+  }
+  return report;
+}
+
+template <class Space>
+void MultiHypothesis<Space>::add_landmark(int id, const typename Space::Point& position_in_map,
+                                          const typename Space::PointMatrix& covariance) {
+  for (Hypothesis& hypothesis : hypotheses_) hypothesis.map->add_landmark(id, position_in_map, covariance);
+}
+
+template <class Space>
+void MultiHypothesis<Space>::loosen(const typename Space::PoseMatrix& covariance) {
+  for (Hypothesis& hypothesis : hypotheses_) hypothesis.map->loosen(covariance);
 }
 
 /// All likely continuations of all hypotheses, the likeliest first.

@@ -7,15 +7,18 @@
 namespace kinect_ekf_slam {
 
 std::vector<SensorFrame> FrameBuffer::add(SensorFrame frame) {
-  const bool carries_detections = frame.detections.has_value();
   const TimeNs stamp = frame.stamp;
+  if (frame.detections) detections_.note(stamp);
+  if (frame.tells_position()) positions_.note(stamp);
   // Behind all frames of the same stamp: the order of arrival decides between equals.
   const auto place =
       std::upper_bound(waiting_.begin(), waiting_.end(), stamp,
                        [](TimeNs time, const SensorFrame& other) { return time < other.stamp; });
   waiting_.insert(place, std::move(frame));
-  if (carries_detections) return release_until(stamp);
-  std::vector<SensorFrame> due = release_until(waiting_.back().stamp - delay_);
+  const TimeNs newest = waiting_.back().stamp;
+  TimeNs horizon = detections_.horizon(newest);
+  if (positions_.last) horizon = std::min(horizon, positions_.horizon(newest));
+  std::vector<SensorFrame> due = release_until(horizon);
   while (waiting_.size() > max_frames_) {
     due.push_back(std::move(waiting_.front()));
     waiting_.pop_front();

@@ -8,6 +8,7 @@
 
 #include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/mapping/slam_factory.h"
+#include "kinect_ekf_slam/pipeline/position_updates.h"
 #include "kinect_ekf_slam/pipeline/relocalizer.h"
 
 namespace kinect_ekf_slam {
@@ -91,7 +92,9 @@ class SpacePipeline : public SlamPipeline {
         motion_(options.input, options.motion),
         estimator_(make_slam<Space>(options.estimator, options.association, options.life_cycle,
                                     to_estimate<Space>(initial_pose(options.initial_pose)))),
+        positions_(options.positions),
         dead_reckoned_(estimator_->pose().map_from_base) {
+    positions_.add_beacons(estimator_.get());
     set_mode(options.mode);
   }
 
@@ -103,13 +106,15 @@ class SpacePipeline : public SlamPipeline {
       dead_reckoned_ = dead_reckoned_ * step->delta;
     }
     SlamResult result;
+    positions_.take(frame, late, estimator_.get(), &result);
     if (frame.detections) {
       result.looked = true;
       observe(*frame.detections, late, &result);
     }
     result.pose = to_3d<Space>(motion_.now(), estimator_->pose());
     result.dead_reckoned = Space::to_3d(dead_reckoned_);
-    result.localization = relocalizer_.state();
+    result.localization = positions_.is_lost() ? Localization::kLost : relocalizer_.state();
+    result.map_from_global = positions_.map_from_global();
     result.finite = result.pose.map_from_base.matrix().allFinite() && result.pose.covariance.allFinite();
     return result;
   }
@@ -127,19 +132,21 @@ class SpacePipeline : public SlamPipeline {
 
   std::vector<Landmark3d> map() const override {
     std::vector<Landmark3d> map;
-    for (const LandmarkEstimate<Space>& estimate : estimator_->landmarks()) {
-      Landmark3d landmark;
-      landmark.id = estimate.info.id;
-      landmark.source_id = estimate.info.source_id;
-      landmark.label = estimate.info.label();
-      landmark.radius = estimate.info.radius;
-      landmark.observations = estimate.info.observations;
-      landmark.confirmed = estimate.info.confirmed;
-      landmark.position_in_map = Space::to_3d(estimate.position_in_map);
-      landmark.covariance.template topLeftCorner<Space::kPointDim, Space::kPointDim>() = estimate.covariance;
-      map.push_back(std::move(landmark));
-    }
+    for (const LandmarkEstimate<Space>& estimate : seen_landmarks()) map.push_back(landmark_3d(estimate));
     return map;
+  }
+
+  std::vector<Landmark3d> beacons() const override {
+    std::vector<Landmark3d> beacons;
+    for (const LandmarkEstimate<Space>& estimate : estimator_->landmarks()) {
+      if (!is_beacon(estimate.info.id)) continue;
+      Landmark3d beacon = landmark_3d(estimate);
+      beacon.id = beacon_of(estimate.info.id);
+      beacon.label = "beacon";
+      if (Space::kPointDim < 3) beacon.position_in_map.z() = positions_.beacon_height(beacon.id);
+      beacons.push_back(std::move(beacon));
+    }
+    return beacons;
   }
 
   SavedState save() const override {
@@ -167,12 +174,15 @@ class SpacePipeline : public SlamPipeline {
     estimator_->restore({Space::pose_from_vector(saved.pose), std::move(infos),
                          Eigen::Map<const Eigen::VectorXd>(points.data(), points.size()), saved.covariance});
     if (!keep_saved_pose) estimator_->set_pose(present);
+    positions_.map_was_replaced();
+    positions_.add_beacons(estimator_.get());
     relocalizer_.stop();
     dead_reckoned_ = estimator_->pose().map_from_base;
   }
 
   void set_pose(const Pose3d& pose) override {
     estimator_->set_pose(to_estimate<Space>(pose));
+    positions_.pose_was_set();
     relocalizer_.stop();
     dead_reckoned_ = estimator_->pose().map_from_base;
   }
@@ -184,7 +194,7 @@ class SpacePipeline : public SlamPipeline {
   }
 
   void relocalize() override {
-    auto map = estimator_->landmarks();
+    auto map = seen_landmarks();
     if (mode_ != Mode::kLocalization || map.empty()) {
       throw std::invalid_argument("the robot is looked for in mode localization, with a map");
     }
@@ -208,6 +218,27 @@ class SpacePipeline : public SlamPipeline {
   const Eigen::Vector3d& gyro_bias() const override { return motion_.conditioner().gyro_bias(); }
 
  private:
+  std::vector<LandmarkEstimate<Space>> seen_landmarks() const {
+    std::vector<LandmarkEstimate<Space>> landmarks = estimator_->landmarks();
+    landmarks.erase(std::remove_if(landmarks.begin(), landmarks.end(),
+                                   [](const auto& landmark) { return is_beacon(landmark.info.id); }),
+                    landmarks.end());
+    return landmarks;
+  }
+
+  static Landmark3d landmark_3d(const LandmarkEstimate<Space>& estimate) {
+    Landmark3d landmark;
+    landmark.id = estimate.info.id;
+    landmark.source_id = estimate.info.source_id;
+    landmark.label = estimate.info.label();
+    landmark.radius = estimate.info.radius;
+    landmark.observations = estimate.info.observations;
+    landmark.confirmed = estimate.info.confirmed;
+    landmark.position_in_map = Space::to_3d(estimate.position_in_map);
+    landmark.covariance.template topLeftCorner<Space::kPointDim, Space::kPointDim>() = estimate.covariance;
+    return landmark;
+  }
+
   void observe(const std::vector<Detection>& detections, bool late, SlamResult* result) {
     std::vector<Observation<Space>> observations;
     std::vector<std::size_t> detection_of_observation;
@@ -272,7 +303,7 @@ class SpacePipeline : public SlamPipeline {
     report = estimator_->observe(motion_.now(), observations);
     relocalizer_.judge(report);
     const bool may_search = mode_ == Mode::kLocalization && relocalize_when_lost_;
-    if (may_search && relocalizer_.is_lost() && !estimator_->landmarks().empty()) relocalize();
+    if (may_search && relocalizer_.is_lost() && !seen_landmarks().empty()) relocalize();
     return report;
   }
 
@@ -283,6 +314,7 @@ class SpacePipeline : public SlamPipeline {
   Motion<Space> motion_;
   Relocalizer<Space> relocalizer_;
   std::unique_ptr<SlamEstimator<Space>> estimator_;
+  PositionUpdates<Space> positions_;
   typename Space::Pose dead_reckoned_;
 };
 

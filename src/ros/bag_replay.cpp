@@ -40,10 +40,14 @@ std::string absolute(const std::string& topic) {
 /// The bag's topics by what they are for.
 class Topics {
  public:
-  Topics(const rosbag::Bag& bag, const std::string& path, const SyncOptions& sync)
+  Topics(const rosbag::Bag& bag, const std::string& path, const SyncOptions& sync,
+         const FusionOptions& fusion)
       : odometry(absolute(sync.odometry_topic)),
         imu(absolute(sync.imu_topic)),
-        landmarks(absolute(sync.landmarks_topic)) {
+        landmarks(absolute(sync.landmarks_topic)),
+        positions(absolute(fusion.positions_topic)),
+        fixes(absolute(fusion.fix_topic)),
+        ranges(absolute(fusion.ranges_topic)) {
     rosbag::View everything(bag);
     std::map<std::string, std::string> types;
     std::map<std::string, std::string> checksums;
@@ -62,6 +66,10 @@ class Topics {
     check_type(types, odometry, "nav_msgs/Odometry", "sync/odometry_topic", path);
     check_type(types, imu, "sensor_msgs/Imu", "sync/imu_topic", path);
     check_type(types, landmarks, "kinect_ekf_slam/LandmarkDetectionArray", "sync/landmarks_topic", path);
+    check_type(types, positions, "geometry_msgs/PoseWithCovarianceStamped", "fusion/positions_topic", path);
+    check_type(types, fixes, "sensor_msgs/NavSatFix", "fusion/fix_topic", path);
+    check_type(types, ranges, "kinect_ekf_slam/BeaconRanges", "fusion/ranges_topic", path);
+    check_version<BeaconRanges>(checksums, ranges, path);
     check_version<nav_msgs::Odometry>(checksums, odometry, path);
     check_version<sensor_msgs::Imu>(checksums, imu, path);
     check_version<LandmarkDetectionArray>(checksums, landmarks, path);
@@ -69,8 +77,8 @@ class Topics {
 
   std::vector<std::string> all() const {
     std::vector<std::string> topics;
-    for (const std::string& name :
-         {odometry, imu, landmarks, std::string("/tf"), std::string("/tf_static")}) {
+    for (const std::string& name : {odometry, imu, landmarks, positions, fixes, ranges, std::string("/tf"),
+                                    std::string("/tf_static")}) {
       const auto recorded = recorded_as_.find(name);
       if (recorded != recorded_as_.end())
         topics.insert(topics.end(), recorded->second.begin(), recorded->second.end());
@@ -81,6 +89,9 @@ class Topics {
   const std::string odometry;
   const std::string imu;
   const std::string landmarks;
+  const std::string positions;
+  const std::string fixes;
+  const std::string ranges;
 
  private:
   static void check_type(const std::map<std::string, std::string>& types, const std::string& topic,
@@ -160,6 +171,7 @@ class Replay {
       summary_.data_seconds = report_.data_seconds;
       summary_.refusals = session_->input().refusals();
       summary_.accepted = session_->input().accepted();
+      writer_->write_beacons(session_->pipeline().beacons());
       writer_->finish(session_->pipeline().map(), summary_);
       write_map(request_.output_directory + "/map.yaml", request_.options.frames.map,
                 session_->pipeline().save(), request_.options.text);
@@ -193,7 +205,8 @@ class Replay {
     std::vector<std::string> lines;
     if (report_.detection_frames == 0) {
       lines.push_back("no detections on '" + request_.options.sync.landmarks_topic +
-                      "' (sync/landmarks_topic): odometry alone");
+                      "' (sync/landmarks_topic): odometry " +
+                      (position_verdicts_.count(PositionVerdict::kUsed) > 0 ? "and positions" : "alone"));
     }
     if (report_.new_runs > 0) {
       lines.push_back("time went back " + std::to_string(report_.new_runs) +
@@ -203,7 +216,16 @@ class Replay {
       lines.push_back("lost for " + std::to_string(lost_looks_) + " of " +
                       std::to_string(report_.detection_frames) + " detection messages, from " +
                       std::to_string(to_seconds(first_lost_)) +
-                      " s on: most of what was seen fitted no landmark");
+                      " s on: most of what was seen fitted no landmark, or positions contradicted");
+    }
+    for (const auto& [verdict, count] : position_verdicts_) {
+      if (verdict == PositionVerdict::kUsed || verdict == PositionVerdict::kAligning) continue;
+      lines.push_back(std::to_string(count) + " positions or ranges not used: " + to_string(verdict));
+    }
+    if (position_verdicts_.count(PositionVerdict::kAligning) > 0 && !is_aligned_) {
+      lines.push_back(
+          "where the map lies in fusion/frame '" + request_.options.fusion.frame +
+          "' was not found: the robot has not moved far enough, or the positions contradict its way");
     }
     if (without_room_ > 0) {
       lines.push_back(std::to_string(without_room_) +
@@ -224,6 +246,8 @@ class Replay {
 
   void on_result(const SensorFrame& frame, const SlamResult& result) {
     if (writer_) writer_->add(frame, result);
+    for (const PositionOutcome& outcome : result.positions) ++position_verdicts_[outcome.verdict];
+    is_aligned_ = is_aligned_ || result.map_from_global;
     if (!result.looked) return;
     ++report_.detection_frames;
     if (result.localization == Localization::kLost && lost_looks_++ == 0) first_lost_ = frame.stamp;
@@ -247,6 +271,15 @@ class Replay {
       if (const auto message = instance.instantiate<LandmarkDetectionArray>()) {
         session_->input().add_landmarks(message, now);
       }
+    } else if (topic == topics_.positions) {
+      if (const auto message = instance.instantiate<geometry_msgs::PoseWithCovarianceStamped>())
+        session_->input().add_position(*message, now);
+    } else if (topic == topics_.fixes) {
+      if (const auto message = instance.instantiate<sensor_msgs::NavSatFix>())
+        session_->input().add_fix(*message, now);
+    } else if (topic == topics_.ranges) {
+      if (const auto message = instance.instantiate<BeaconRanges>())
+        session_->input().add_ranges(*message, now);
     } else {
       add_transforms(instance, topic == "/tf_static", &buffer_);
     }
@@ -263,6 +296,8 @@ class Replay {
   std::map<std::string, std::string> first_refusals_;  ///< of each kind: others differ in their stamps
   std::size_t lost_looks_ = 0;  ///< detection messages while the robot was not where it believed to be
   TimeNs first_lost_ = 0;
+  std::map<PositionVerdict, std::size_t> position_verdicts_;
+  bool is_aligned_ = false;
   std::ptrdiff_t without_room_ = 0;  ///< sightings that a full map refused
   ReplayReport report_;
 };
@@ -274,7 +309,7 @@ ReplayReport replay_bag(const ReplayRequest& request) {
   rosbag::Bag bag;
   try {
     bag.open(request.bag, rosbag::bagmode::Read);
-    return Replay(request, bag, Topics(bag, request.bag, request.options.sync)).run();
+    return Replay(request, bag, Topics(bag, request.bag, request.options.sync, request.options.fusion)).run();
   } catch (const rosbag::BagException& error) {
     throw std::runtime_error(request.bag + ": not a readable bag: " + error.what());
   } catch (const ros::Exception& error) {  // a message that is shorter than it says

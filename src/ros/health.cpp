@@ -41,6 +41,9 @@ void Health::note_result(const SlamResult& result) {
   localization_ = result.localization;
   for (const DetectionOutcome& outcome : result.outcomes)
     ++verdicts_[static_cast<std::size_t>(outcome.verdict)];
+  for (const PositionOutcome& outcome : result.positions)
+    ++position_verdicts_[static_cast<std::size_t>(outcome.verdict)];
+  is_aligned_ = result.map_from_global.has_value();
   if (result.looked) ++looked_;
   if (result.looked && result.outcomes.empty()) ++saw_nothing_;
   if (result.dof == 0) return;
@@ -56,6 +59,8 @@ void Health::set_state(const std::string& mode, bool paused) {
 
 void Health::reset_estimate() {
   std::fill(verdicts_.begin(), verdicts_.end(), 0);
+  std::fill(position_verdicts_.begin(), position_verdicts_.end(), 0);
+  is_aligned_ = false;
   nis_per_dof_ = 1.0;
   updates_ = 0;
   looked_ = 0;
@@ -72,10 +77,11 @@ void Health::report_inputs(const SensorBridge& bridge, const ros::Time& now,
   for (const auto& [reason, count] : bridge.refusals())
     refused_of[reason.substr(0, reason.find(':'))] += count;
   const double elapsed = std::max((now - last_report_).toSec(), 1e-3);
-  for (auto& [name, topic] :
-       std::map<std::string, std::string>{{"odometry", expectation_.odometry_topic},
-                                          {"imu", expectation_.imu_topic},
-                                          {"landmarks", expectation_.landmarks_topic}}) {
+  std::map<std::string, std::string> topics = expectation_.position_topics;
+  topics.insert({{"odometry", expectation_.odometry_topic},
+                 {"imu", expectation_.imu_topic},
+                 {"landmarks", expectation_.landmarks_topic}});
+  for (auto& [name, topic] : topics) {
     Input& input = inputs_[name];
     status.add(name + " topic", topic);
     status.addf(name + " rate (Hz)", "%.1f", static_cast<double>(input.since_report) / elapsed);
@@ -117,8 +123,10 @@ void Health::report_estimate(diagnostic_updater::DiagnosticStatusWrapper& status
   if (localization_ == Localization::kSearching)
     status.summary(DiagnosticStatus::WARN, "searching for the robot in the map: its pose is unknown");
   if (localization_ == Localization::kLost) {
-    status.summary(DiagnosticStatus::ERROR,
-                   "lost: most of what is seen fits nothing in the map; tell it by initialpose where it is");
+    status.summary(
+        DiagnosticStatus::ERROR,
+        "lost: most of what is seen fits nothing in the map, or positions and ranges contradict the "
+        "estimate; tell it by initialpose where it is");
   }
   if (!finite_)
     status.summary(DiagnosticStatus::ERROR, "the estimate is not finite; output stopped; call ~reset");
@@ -133,6 +141,13 @@ void Health::report_estimate(diagnostic_updater::DiagnosticStatusWrapper& status
   status.add("detection messages that saw nothing", saw_nothing_);
   for (int i = 0; i < kVerdictCount; ++i) {
     status.add(std::string("detections, ") + to_string(static_cast<Verdict>(i)), verdicts_[i]);
+  }
+  if (std::all_of(position_verdicts_.begin(), position_verdicts_.end(), [](auto n) { return n == 0; }))
+    return;
+  status.add("map placed in the frame of global positions", is_aligned_ ? "yes" : "not yet");
+  for (int i = 0; i < kPositionVerdictCount; ++i) {
+    status.add(std::string("positions and ranges, ") + to_string(static_cast<PositionVerdict>(i)),
+               position_verdicts_[i]);
   }
 }
 

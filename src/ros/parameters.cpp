@@ -31,6 +31,8 @@ void visit(Visitor& v, SyncOptions& o) {
             "that wait for their partners, per topic");
   v.number("sync/detection_delay", &o.detection_delay, 0.0, 60.0, "s",
            "how late detections may come; odometry waits for them that long before it enters the estimate");
+  v.number("sync/position_delay", &o.position_delay, 0.0, 60.0, "s",
+           "likewise positions and ranges; once there have been any, the estimate waits for them that long");
   v.number("sync/future_tolerance", &o.future_tolerance, 0.0, 3600.0, "s",
            "a message stamped further ahead of the clock is refused");
   v.number("sync/time_jump", &o.time_jump, 0.0, 3600.0, "s",
@@ -253,6 +255,32 @@ void visit(Visitor& v, LifeCycleOptions& o) {
   v.number("map/view_range", &o.view_range, 0.0, kInfinity, "m", "likewise, how far it sees");
 }
 
+void visit(Visitor& v, FusionOptions& o, PositionOptions& positions) {
+  v.text("fusion/frame", &o.frame, false,
+         "frame of global positions and of GPS; where the map lies in it is found from the robot's way");
+  v.text("fusion/positions_topic", &o.positions_topic, true,
+         "geometry_msgs/PoseWithCovarianceStamped in frames/map or fusion/frame; empty: none");
+  v.text("fusion/fix_topic", &o.fix_topic, true, "sensor_msgs/NavSatFix; empty: none");
+  v.text("fusion/ranges_topic", &o.ranges_topic, true, "kinect_ekf_slam/BeaconRanges; empty: none");
+  v.text("fusion/antenna_frame", &o.antenna_frame, true,
+         "frame that the positions of fusion/positions_topic speak of; empty: frames/base");
+  v.datum("fusion/datum", &o.datum, "where fusion/frame has its origin; x is east, y north there");
+  v.number("fusion/fix_sigma", &o.fix_sigma, 0.0, 1e3, "m", "of a fix without covariance; 0: it is refused");
+  v.number("fusion/gate_probability", &positions.gate_probability, 0.5, 1.0, "-",
+           "share of the true positions and ranges that the gate lets through");
+  v.number("fusion/correlation_time", &positions.correlation_time, 0.0, 1e4, "s",
+           "over which the errors of positions resemble each other; 0: independent");
+  v.number(
+      "fusion/lost_after", &positions.lost_after, 0.0, 3600.0, "s",
+      "positions or ranges that agree contradict the estimate so long before it is the one that is wrong");
+  v.number("fusion/align_heading_sigma_deg", &positions.align_heading_sigma_deg, 0.1, 30.0, "deg",
+           "the heading between map and fusion/frame is known so well before positions are used");
+  v.beacons("fusion/beacons", &positions.beacons,
+            "places in frames/map that fusion/ranges_topic measures to; estimated from there");
+  v.stretches("fusion/withhold", &positions.withheld,
+              "after the run's start: positions that are compared, but not used; for evaluations");
+}
+
 void visit(Visitor& v, MapOptions& o) {
   v.text("map/directory", &o.directory, false, "the only folder that maps are saved to and loaded from");
   v.text("map/file_name", &o.file_name, false, "used by the services when they name none");
@@ -288,6 +316,7 @@ void visit(Visitor& v, RunOptions& o) {
   visit(v, o.pipeline.life_cycle);
   v.boolean("map/relocalize_when_lost", &o.pipeline.relocalize_when_lost,
             "localization: when most of what is seen is not in the map, look for the robot all over it");
+  visit(v, o.fusion, o.pipeline.positions);
   visit(v, o.output);
   if (std::abs(o.sync.odometry_delay) > o.sync.detection_delay) {
     throw ParameterError("input/odometry_delay: " + text_of(o.sync.odometry_delay) +
@@ -298,6 +327,11 @@ void visit(Visitor& v, RunOptions& o) {
   if (frames.map == frames.odom || frames.map == frames.base || frames.odom == frames.base) {
     throw ParameterError("frames/map, frames/odom, frames/base: '" + frames.map + "', '" + frames.odom +
                          "', '" + frames.base + "' given, allowed: three different frames");
+  }
+  if (o.fusion.frame == frames.map) {
+    throw ParameterError(
+        "fusion/frame: '" + o.fusion.frame +
+        "' given, allowed: another frame than frames/map; positions in that need no fusion/frame");
   }
 }
 

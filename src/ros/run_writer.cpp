@@ -139,6 +139,8 @@ void RunWriter::restart() {
   trajectory_.text.clear();
   dead_reckoning_.text.clear();
   covariance_.text = covariance_header();
+  positions_.text = "t,beacon,verdict,nis,dof,x,y,z\n";
+  position_verdicts_.clear();
   rows_.clear();
   instant_rows_.clear();
   merged_.clear();
@@ -158,6 +160,7 @@ void RunWriter::add(const SensorFrame& frame, const SlamResult& result) {
     rows_.push_back(instant_rows_.back());
   }
   revise(result);
+  for (const PositionOutcome& outcome : result.positions) add_position(frame.stamp, outcome);
   if (!result.finite) return;
   const TimeNs stamp = result.pose.stamp;
   if (has_written_ && (stamp <= last_written_ || (!result.looked && stamp - last_written_ < period_))) return;
@@ -168,6 +171,19 @@ void RunWriter::add(const SensorFrame& frame, const SlamResult& result) {
   append_time(&covariance_.text, stamp);
   append_upper_triangle(&covariance_.text, result.pose.covariance);
   covariance_.text += '\n';
+}
+
+void RunWriter::add_position(TimeNs stamp, const PositionOutcome& outcome) {
+  ++position_verdicts_[to_string(outcome.verdict)];
+  append_time(&positions_.text, stamp);
+  positions_.text += ',' + std::to_string(outcome.beacon) + ',' + to_string(outcome.verdict) + ',';
+  if (std::isfinite(outcome.nis)) append(&positions_.text, outcome.nis, 6);
+  positions_.text += ',' + std::to_string(outcome.dof);
+  for (const double value : outcome.position_in_map) {
+    positions_.text += ',';
+    if (std::isfinite(value)) append(&positions_.text, value);
+  }
+  positions_.text += '\n';
 }
 
 void RunWriter::revise(const SlamResult& result) {
@@ -216,9 +232,8 @@ void RunWriter::settle_rows(const std::vector<Landmark3d>& map) {
   }
 }
 
-void RunWriter::write_landmarks(const std::vector<Landmark3d>& map) {
-  std::string& text = landmarks_.text;
-  text = "id,label,x,y,z,cxx,cxy,cxz,cyy,cyz,czz,observations\n";
+std::string RunWriter::landmark_rows(const std::vector<Landmark3d>& map) {
+  std::string text = "id,label,x,y,z,cxx,cxy,cxz,cyy,cyz,czz,observations\n";
   for (const Landmark3d& landmark : map) {
     if (!landmark.confirmed) continue;
     text += std::to_string(landmark.id) + ',' + csv_field(landmark.label);
@@ -229,6 +244,11 @@ void RunWriter::write_landmarks(const std::vector<Landmark3d>& map) {
     append_upper_triangle(&text, landmark.covariance);
     text += ',' + std::to_string(landmark.observations) + '\n';
   }
+  return text;
+}
+
+void RunWriter::write_beacons(const std::vector<Landmark3d>& beacons) {
+  beacons_.text = landmark_rows(beacons);
 }
 
 void RunWriter::write_summary(const std::vector<Landmark3d>& map, const Summary& summary) {
@@ -249,6 +269,7 @@ void RunWriter::write_summary(const std::vector<Landmark3d>& map, const Summary&
        << (summary.wall_seconds > 0.0 ? summary.data_seconds / summary.wall_seconds : 0.0)
        << ",\n  \"frames\": " << frames_ << ",\n  \"detection_frames\": " << detection_frames_
        << ",\n  \"detections\": " << json_counts(verdicts)
+       << ",\n  \"positions\": " << json_counts(position_verdicts_)
        << ",\n  \"messages\": " << json_counts(summary.accepted)
        << ",\n  \"messages_refused\": " << json_counts(summary.refusals)
        << ",\n  \"landmarks\": " << landmarks << ",\n  \"update_ms_mean\": " << mean
@@ -260,11 +281,11 @@ void RunWriter::finish(const std::vector<Landmark3d>& map, const Summary& summar
   settle_rows(map);
   associations_.text = to_csv(rows_);
   instant_associations_.text = to_csv(instant_rows_);
-  write_landmarks(map);
+  landmarks_.text = landmark_rows(map);
   parameters_.text = "# what was given; all else as built in\n" + summary.parameters + "\n";
   write_summary(map, summary);
-  for (const File* file : {&trajectory_, &covariance_, &dead_reckoning_, &associations_,
-                           &instant_associations_, &landmarks_, &parameters_, &summary_}) {
+  for (const File* file : {&trajectory_, &covariance_, &dead_reckoning_, &positions_, &beacons_,
+                           &associations_, &instant_associations_, &landmarks_, &parameters_, &summary_}) {
     write_file_atomically(directory_ + "/" + file->name, file->text);
   }
 }

@@ -27,8 +27,13 @@ std::string without_slash(const std::string& frame_id) {
 }  // namespace
 
 SensorBridge::SensorBridge(const FrameOptions& frames, const SyncOptions& sync, TransformLookup lookup,
-                           Handlers handlers)
-    : frames_(frames), sync_(sync), lookup_(std::move(lookup)), handlers_(std::move(handlers)) {
+                           Handlers handlers, const FusionOptions& fusion)
+    : frames_(frames),
+      sync_(sync),
+      fusion_(fusion),
+      lookup_(std::move(lookup)),
+      handlers_(std::move(handlers)) {
+  if (!fusion.datum.empty()) plane_.emplace(Geodetic{fusion.datum[0], fusion.datum[1], fusion.datum[2]});
   make_synchronizers();
 }
 
@@ -47,7 +52,8 @@ void SensorBridge::make_synchronizers() {
 }
 
 void SensorBridge::reset() {
-  for (Input* input : {&odometry_input_, &imu_input_, &landmarks_input_}) {
+  for (Input* input :
+       {&odometry_input_, &imu_input_, &landmarks_input_, &position_input_, &fix_input_, &ranges_input_}) {
     input->last_stamp = 0;
     input->stamps_before_last = 0;
     input->leap = 0;
@@ -195,6 +201,67 @@ void SensorBridge::on_pair(const LandmarkDetectionArray::ConstPtr& message) {
 
 void SensorBridge::on_triple(const LandmarkDetectionArray::ConstPtr& message) {
   if (imu_expected_) on_synchronized(message);
+}
+
+std::optional<Eigen::Isometry3d> SensorBridge::admit(Input& input, const std_msgs::Header& header,
+                                                     const std::string& sensor,
+                                                     const std::optional<MessageProblem>& problem,
+                                                     const ros::Time& now) {
+  if (problem) {
+    refuse(input, problem->reason, problem->detail);
+    return std::nullopt;
+  }
+  if (!check_stamp(input, header, now)) return std::nullopt;
+  auto base_from_sensor = base_from(sensor, header.stamp);
+  if (!base_from_sensor) {
+    refuse(input, "no transform", "no tf from '" + sensor + "' to '" + frames_.base + "'");
+    return std::nullopt;
+  }
+  take(input, to_time(header.stamp));
+  return base_from_sensor;
+}
+
+bool SensorBridge::add_position(const geometry_msgs::PoseWithCovarianceStamped& message,
+                                const ros::Time& now) {
+  const std::string frame_id = without_slash(message.header.frame_id);
+  if (frame_id != frames_.map && frame_id != fusion_.frame) {
+    return refuse(position_input_, "frame",
+                  "its frame is '" + frame_id + "', expected frames/map '" + frames_.map +
+                      "' or fusion/frame '" + fusion_.frame + "'");
+  }
+  const std::string antenna = fusion_.antenna_frame.empty() ? frames_.base : fusion_.antenna_frame;
+  const auto base_from_antenna =
+      admit(position_input_, message.header, antenna, problem_of(message.pose), now);
+  if (!base_from_antenna) return false;
+  SensorFrame frame;
+  frame.stamp = to_time(message.header.stamp);
+  (frame_id == frames_.map ? frame.position : frame.global_position) =
+      to_position(message.pose, *base_from_antenna);
+  handlers_.on_frame(std::move(frame));
+  return true;
+}
+
+bool SensorBridge::add_fix(const sensor_msgs::NavSatFix& message, const ros::Time& now) {
+  const auto base_from_antenna = admit(fix_input_, message.header, without_slash(message.header.frame_id),
+                                       problem_of(message, fusion_.fix_sigma), now);
+  if (!base_from_antenna) return false;
+  if (!plane_) plane_.emplace(Geodetic{message.latitude, message.longitude, message.altitude});
+  SensorFrame frame;
+  frame.stamp = to_time(message.header.stamp);
+  frame.global_position = to_position(message, *plane_, *base_from_antenna, fusion_.fix_sigma);
+  handlers_.on_frame(std::move(frame));
+  return true;
+}
+
+bool SensorBridge::add_ranges(const BeaconRanges& message, const ros::Time& now) {
+  const auto base_from_receiver =
+      admit(ranges_input_, message.header, without_slash(message.header.frame_id), std::nullopt, now);
+  if (!base_from_receiver) return false;
+  SensorFrame frame;
+  frame.stamp = to_time(message.header.stamp);
+  frame.ranges = to_ranges(message, *base_from_receiver);
+  handlers_.on_frame(std::move(frame));
+  return true;
 }
 
 void SensorBridge::on_synchronized(const LandmarkDetectionArray::ConstPtr& message) {

@@ -24,7 +24,7 @@ std::string absolute(const std::string& topic) { return "/" + topic; }
 class BagWriter {
  public:
   BagWriter(const World& world, std::uint64_t seed, rosbag::Bag* bag)
-      : messages_(world, kSimulationStart), camera_(world, seed), bag_(bag) {}
+      : messages_(world, kSimulationStart), camera_(world, seed), delay_(world.gps.delay), bag_(bag) {}
 
   void write_start(const Sample& sample) {
     // A little before everything else: readers that sort by time must have them first.
@@ -50,6 +50,11 @@ class BagWriter {
     if (sample.sightings) {
       bag_->write(absolute(simulation_topics::kLandmarks), time, messages_.landmarks(sample));
     }
+    if (sample.position) {
+      const ros::Duration delay(delay_);
+      bag_->write(absolute(simulation_topics::kPosition), time + delay, messages_.position(sample));
+    }
+    if (sample.ranges) bag_->write(absolute(simulation_topics::kRanges), time, messages_.ranges(sample));
     if (sample.takes_picture) {
       const PictureMessages picture =
           to_messages(camera_.take(sample.world_from_base), messages_.optical_header(sample));
@@ -74,6 +79,7 @@ class BagWriter {
 
   SimulationMessages messages_;
   SimulatedCamera camera_;
+  double delay_;  ///< s, of positions
   rosbag::Bag* bag_;
 };
 

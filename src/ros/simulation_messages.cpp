@@ -12,6 +12,9 @@ constexpr const char* kMapFrame = "map";
 constexpr const char* kOdomFrame = "odom";
 constexpr const char* kBaseFrame = "base_footprint";
 constexpr const char* kImuFrame = "imu_link";
+constexpr const char* kEarthFrame = "earth";
+constexpr const char* kGpsFrame = "gps_link";
+constexpr const char* kRangeFrame = "range_link";
 constexpr const char* kOpticalFrame = "kinect_rgb_optical_frame";
 
 // Variances of odometry as a TurtleBot's driver states them: rough, and large where a wheel measures nothing.
@@ -132,6 +135,31 @@ LandmarkDetectionArray SimulationMessages::landmarks(const Sample& sample) const
   return message;
 }
 
+geometry_msgs::PoseWithCovarianceStamped SimulationMessages::position(const Sample& sample) const {
+  geometry_msgs::PoseWithCovarianceStamped message;
+  message.header.stamp = stamp(sample);
+  message.header.frame_id = kEarthFrame;
+  message.pose.pose.position = to_point(sample.position->position_in_map);
+  message.pose.pose.orientation.w = 1.0;
+  Eigen::Matrix<double, 6, 6> covariance = sample.position->covariance;
+  covariance.diagonal().tail<3>().setConstant(kNotMeasured);
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(message.pose.covariance.data()) = covariance;
+  return message;
+}
+
+BeaconRanges SimulationMessages::ranges(const Sample& sample) const {
+  BeaconRanges message;
+  message.header.stamp = stamp(sample);
+  message.header.frame_id = kRangeFrame;
+  for (const BeaconRange& range : *sample.ranges) {
+    message.ranges.emplace_back();
+    message.ranges.back().beacon = range.beacon;
+    message.ranges.back().range = range.range;
+    message.ranges.back().variance = range.variance;
+  }
+  return message;
+}
+
 std_msgs::Header SimulationMessages::optical_header(const Sample& sample) const {
   std_msgs::Header header;
   header.stamp = stamp(sample);
@@ -165,8 +193,17 @@ LandmarkMap SimulationMessages::true_landmarks() const {
 }
 
 std::vector<geometry_msgs::TransformStamped> SimulationMessages::mountings() const {
-  return {mounting(world_.gyro.base_from_imu, kImuFrame, to_ros(start_)),
-          mounting(world_.sensor.base_from_optical, kOpticalFrame, to_ros(start_))};
+  std::vector<geometry_msgs::TransformStamped> mountings = {
+      mounting(world_.gyro.base_from_imu, kImuFrame, to_ros(start_)),
+      mounting(world_.sensor.base_from_optical, kOpticalFrame, to_ros(start_))};
+  const auto at = [](const Eigen::Vector3d& place) { return Eigen::Isometry3d(Eigen::Translation3d(place)); };
+  if (world_.gps.rate > 0.0) {
+    mountings.push_back(mounting(at(world_.gps.antenna_in_base), kGpsFrame, to_ros(start_)));
+  }
+  if (world_.beacons.rate > 0.0) {
+    mountings.push_back(mounting(at(world_.beacons.receiver_in_base), kRangeFrame, to_ros(start_)));
+  }
+  return mountings;
 }
 
 visualization_msgs::MarkerArray SimulationMessages::markers() const {

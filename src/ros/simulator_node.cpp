@@ -83,6 +83,13 @@ SimulatorNode::SimulatorNode(ros::NodeHandle handle, ros::NodeHandle private_han
   odometry_publisher_ = handle.advertise<nav_msgs::Odometry>(topics::kOdometry, kQueue);
   imu_publisher_ = handle.advertise<sensor_msgs::Imu>(topics::kImu, kQueue);
   landmarks_publisher_ = handle.advertise<LandmarkDetectionArray>(topics::kLandmarks, kQueue);
+  if (simulator_.world().gps.rate > 0.0) {
+    position_publisher_ =
+        handle.advertise<geometry_msgs::PoseWithCovarianceStamped>(topics::kPosition, kQueue);
+  }
+  if (simulator_.world().beacons.rate > 0.0) {
+    ranges_publisher_ = handle.advertise<BeaconRanges>(topics::kRanges, kQueue);
+  }
   true_pose_publisher_ = handle.advertise<geometry_msgs::PoseStamped>(topics::kTruePose, kQueue);
   true_landmarks_publisher_ = handle.advertise<LandmarkMap>(topics::kTrueLandmarks, 1, true);
   markers_publisher_ = private_handle.advertise<visualization_msgs::MarkerArray>("markers", 1, true);
@@ -160,6 +167,13 @@ void SimulatorNode::publish(const Sample& sample) {
     true_pose_publisher_.publish(messages_.true_pose(sample));
   }
   if (sample.sightings) landmarks_publisher_.publish(messages_.landmarks(sample));
+  if (sample.position) delayed_positions_.push_back(messages_.position(sample));
+  const ros::Time taken = messages_.stamp(sample) - ros::Duration(simulator_.world().gps.delay);
+  while (!delayed_positions_.empty() && delayed_positions_.front().header.stamp <= taken) {
+    position_publisher_.publish(delayed_positions_.front());
+    delayed_positions_.pop_front();
+  }
+  if (sample.ranges) ranges_publisher_.publish(messages_.ranges(sample));
   if (sample.takes_picture) publish_picture(sample);
 }
 

@@ -19,6 +19,17 @@ constexpr double kLogPeriod = 5.0;  // s between repeated warnings
 
 constexpr std::size_t kMostFrames = 100;  // that are remembered as unknown
 
+std::map<std::string, std::string> position_topics(const ros::NodeHandle& handle,
+                                                   const FusionOptions& fusion) {
+  std::map<std::string, std::string> topics;
+  for (const auto& [input, topic] :
+       {std::make_pair("global_position", fusion.positions_topic), std::make_pair("fix", fusion.fix_topic),
+        std::make_pair("beacon_ranges", fusion.ranges_topic)}) {
+    if (!topic.empty()) topics[input] = handle.resolveName(topic);
+  }
+  return topics;
+}
+
 const char* mode_name(Mode mode) { return mode == Mode::kSlam ? "slam" : "localization"; }
 
 }  // namespace
@@ -41,8 +52,8 @@ SlamNode::SlamNode(const ros::NodeHandle& handle, const ros::NodeHandle& private
                 [](const std::string& line) { ROS_WARN_THROTTLE(kLogPeriod, "%s", line.c_str()); }}),
       health_({handle_.resolveName(options.sync.odometry_topic),
                options.sync.imu_topic.empty() ? "none" : handle_.resolveName(options.sync.imu_topic),
-               handle_.resolveName(options.sync.landmarks_topic), options.output.pose_sigma_warning,
-               options.pipeline.space == SpaceType::kSpatial ? 3 : 2},
+               handle_.resolveName(options.sync.landmarks_topic), position_topics(handle_, options.fusion),
+               options.output.pose_sigma_warning, options.pipeline.space == SpaceType::kSpatial ? 3 : 2},
               ros::Time::now()),
       painter_(options.frames.map, options.output.marker_sigmas, options.pipeline.space),
       path_(options.output.path_step, static_cast<std::size_t>(options.output.path_length)),
@@ -80,6 +91,13 @@ void SlamNode::connect() {
                   handle_.subscribe(names::kInitialPose, 1, &SlamNode::on_initial_pose, this)};
   if (!sync.imu_topic.empty())
     subscribers_.push_back(handle_.subscribe(sync.imu_topic, queue, &SlamNode::on_imu, this, at_once));
+  const FusionOptions& fusion = options_.fusion;
+  if (!fusion.positions_topic.empty())
+    subscribers_.push_back(handle_.subscribe(fusion.positions_topic, queue, &SlamNode::on_position, this));
+  if (!fusion.fix_topic.empty())
+    subscribers_.push_back(handle_.subscribe(fusion.fix_topic, queue, &SlamNode::on_fix, this));
+  if (!fusion.ranges_topic.empty())
+    subscribers_.push_back(handle_.subscribe(fusion.ranges_topic, queue, &SlamNode::on_ranges, this));
 
   live_ = std::make_unique<dynamic_reconfigure::Server<SlamConfig>>(
       live_mutex_, ros::NodeHandle(private_handle_, names::kLive));
@@ -151,6 +169,24 @@ void SlamNode::on_landmarks(const LandmarkDetectionArray::ConstPtr& message) {
   if (session_.input().add_landmarks(message, time)) health_.note_input("landmarks", time);
 }
 
+void SlamNode::on_position(const geometry_msgs::PoseWithCovarianceStamped::ConstPtr& message) {
+  const ros::Time time = now();
+  if (paused_) return;
+  if (session_.input().add_position(*message, time)) health_.note_input("global_position", time);
+}
+
+void SlamNode::on_fix(const sensor_msgs::NavSatFix::ConstPtr& message) {
+  const ros::Time time = now();
+  if (paused_) return;
+  if (session_.input().add_fix(*message, time)) health_.note_input("fix", time);
+}
+
+void SlamNode::on_ranges(const BeaconRanges::ConstPtr& message) {
+  const ros::Time time = now();
+  if (paused_) return;
+  if (session_.input().add_ranges(*message, time)) health_.note_input("beacon_ranges", time);
+}
+
 void SlamNode::on_initial_pose(const geometry_msgs::PoseWithCovarianceStamped::ConstPtr& message) {
   const std::string& frame_id = message->header.frame_id;
   if (frame_id != options_.frames.map) {
@@ -186,6 +222,7 @@ void SlamNode::on_result(const SensorFrame& frame, const SlamResult& result) {
   finite_ = result.finite;
   health_.note_result(result);
   if (!result.finite) return;
+  publish_alignment(result);
   dead_reckoned_path_.add(to_point(result.dead_reckoned.translation()));
   if (!result.looked) return;
   last_outcomes_ = result.outcomes;
@@ -258,6 +295,20 @@ void SlamNode::publish_transform(const Pose3d& pose, const geometry_msgs::Pose& 
   broadcaster_.sendTransform(message);
 }
 
+void SlamNode::publish_alignment(const SlamResult& result) {
+  const bool was_aligned = std::exchange(is_aligned_, result.map_from_global.has_value());
+  if (!is_aligned_ || was_aligned || !options_.output.publish_tf) return;
+  geometry_msgs::TransformStamped message;
+  message.header.frame_id = options_.fusion.frame;
+  message.header.stamp = to_ros(result.pose.stamp);
+  message.child_frame_id = options_.frames.map;
+  message.transform = to_transform(result.map_from_global->inverse());
+  static_broadcaster_.sendTransform(message);
+  ROS_INFO("global positions: the map lies in '%s' at (%.2f, %.2f) m, turned by %.1f deg",
+           options_.fusion.frame.c_str(), message.transform.translation.x, message.transform.translation.y,
+           degrees(2.0 * std::atan2(message.transform.rotation.z, message.transform.rotation.w)));
+}
+
 void SlamNode::publish_scene() {
   if (!scene_changed_ || !finite_) return;
   scene_changed_ = false;
@@ -283,6 +334,7 @@ void SlamNode::forget_what_was_shown() {
   path_message_.poses.clear();
   last_outcomes_.clear();
   finite_ = true;
+  is_aligned_ = false;
   health_.reset_estimate();
   marker_publisher_.publish(painter_.clear());
   scene_changed_ = true;
@@ -334,7 +386,9 @@ bool SlamNode::pause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Res
   paused_ = request.data;
   health_.set_state(mode_name(options_.pipeline.mode), paused_);
   response.success = true;
-  response.message = paused_ ? "paused: detections are not used, odometry still moves the pose" : "running";
+  response.message =
+      paused_ ? "paused: detections, positions and ranges are not used, odometry still moves the pose"
+              : "running";
   return true;
 }
 

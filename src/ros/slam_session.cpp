@@ -1,5 +1,6 @@
 #include "kinect_ekf_slam/ros/slam_session.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace kinect_ekf_slam {
@@ -8,8 +9,8 @@ namespace {
 FrameBuffer make_buffer(const SyncOptions& sync) {
   // IMU and odometry may both come as often as the queue allows, for the time that detections may be late.
   constexpr std::size_t kFramesPerSecond = 2000;
-  const double seconds = sync.detection_delay + 1.0;
-  return {sync.detection_delay, static_cast<std::size_t>(kFramesPerSecond * seconds)};
+  const double seconds = std::max(sync.detection_delay, sync.position_delay) + 1.0;
+  return {sync.detection_delay, static_cast<std::size_t>(kFramesPerSecond * seconds), sync.position_delay};
 }
 
 }  // namespace
@@ -25,7 +26,8 @@ SlamSession::SlamSession(const RunOptions& options, SensorBridge::TransformLooku
                  reset();
                  if (handlers_.on_time_jump) handlers_.on_time_jump();
                },
-               handlers_.on_refusal}) {}
+               handlers_.on_refusal},
+              options.fusion) {}
 
 void SlamSession::process(const std::vector<SensorFrame>& frames) {
   for (const SensorFrame& frame : frames) {

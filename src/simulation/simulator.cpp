@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMinute = 60.0;  // s
 
-enum Stream : std::uint32_t { kWheelStream, kGyroStream, kSensorStream };
+enum Stream : std::uint32_t { kWheelStream, kGyroStream, kSensorStream, kGpsStream, kRangeStream };
 
 Eigen::Vector3d normal_vector(RandomStream& random) {
   const double x = random.normal();  // one after the other: the order of arguments is not defined
@@ -74,10 +74,14 @@ Simulator::Simulator(const World& world, std::uint64_t seed)
       wheel_random_(seed, kWheelStream),
       gyro_random_(seed, kGyroStream),
       sensor_random_(seed, kSensorStream),
+      gps_(world.gps, RandomStream(seed, kGpsStream)),
+      range_receiver_(world.beacons, RandomStream(seed, kRangeStream)),
       odometry_ticker_{world.wheels.rate},
       gyro_ticker_{world.gyro.rate},
       sensor_ticker_{world.sensor.rate},
       camera_ticker_{world.pictures.rate},
+      gps_ticker_{world.gps.rate},
+      range_ticker_{world.beacons.rate},
       world_from_base_(world.drive.world_from_start),
       odom_from_base_(world.is_spatial() ? RobotPose(Se3()) : RobotPose(Se2())) {
   for (double& scale : wheel_scale_) scale = 1.0 + world.wheels.scale_sigma * wheel_random_.normal();
@@ -86,12 +90,15 @@ Simulator::Simulator(const World& world, std::uint64_t seed)
 }
 
 Sample Simulator::next() {
-  advance(std::min({odometry_ticker_.due(), gyro_ticker_.due(), sensor_ticker_.due(), camera_ticker_.due()}));
+  advance(std::min({odometry_ticker_.due(), gyro_ticker_.due(), sensor_ticker_.due(), camera_ticker_.due(),
+                    gps_ticker_.due(), range_ticker_.due()}));
   Sample sample;
   sample.stamp = now_;
   sample.world_from_base = world_from_base_.to_3d();
   if (gyro_ticker_.take(now_)) sample.gyro_rate_in_imu = read_gyro();
   if (sensor_ticker_.take(now_)) sample.sightings = look();
+  if (gps_ticker_.take(now_)) sample.position = gps_.read(now_, sample.world_from_base);
+  if (range_ticker_.take(now_)) sample.ranges = range_receiver_.read(sample.world_from_base);
   sample.takes_picture = camera_ticker_.take(now_);
   if (odometry_ticker_.take(now_)) {
     sample.odometry = read_odometry();

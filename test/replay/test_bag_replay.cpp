@@ -1,5 +1,6 @@
 #include "kinect_ekf_slam/ros/bag_replay.h"
 
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <gtest/gtest.h>
 #include <kinect_ekf_slam/LandmarkDetectionArray.h>
 #include <nav_msgs/Odometry.h>
@@ -87,6 +88,21 @@ class BagReplay : public ::testing::Test {
         bag.write(prefix + "landmarks", ros::Time(time + 0.03), landmarks(time));  // pictures are late
     }
   }
+  /// Where the robot is in a frame whose x is the map's -y, each told 0.3 s later.
+  void add_positions() const {
+    rosbag::Bag bag(request_.bag, rosbag::bagmode::Append);
+    for (int i = 1; i < kSteps; i += 2) {
+      const double time = kStart + 0.05 * i + 0.01;
+      geometry_msgs::PoseWithCovarianceStamped message;
+      message.header.stamp = ros::Time(time);
+      message.header.frame_id = "earth";
+      message.pose.pose.position.x = 100.0 + (i % 4 == 1 ? 0.002 : -0.002);
+      message.pose.pose.position.y = 50.0 + kSpeed * (time - kStart);
+      message.pose.pose.orientation.w = 1.0;
+      for (const std::size_t axis : {0U, 7U, 14U}) message.pose.covariance[axis] = 1e-4;
+      bag.write("/global_position", ros::Time(time + 0.3), message);
+    }
+  }
   std::string refusal() {
     return message_of<std::runtime_error>([&] { replay_bag(request_); });
   }
@@ -139,6 +155,35 @@ TEST_F(BagReplay, FollowsTheRobot) {
   EXPECT_NEAR(time, kStart + 0.05 * (kSteps - 1), 0.05);
   EXPECT_NEAR(x, kSpeed * (time - kStart), 0.01);
   EXPECT_NEAR(y, 0.0, 0.01);
+}
+
+TEST_F(BagReplay, UsesPositionsThatComeLateAtTheirOwnTime) {
+  write_run();
+  add_positions();
+  replay_bag(request_);
+  const std::string summary = out("summary.json");
+  // Nobody waited for the first two: that there are positions was not known yet.
+  EXPECT_NE(summary.find("\"late\": 2, \"used\": 35"), std::string::npos) << summary;
+  const std::string positions = out("positions.csv");
+  std::istringstream last(positions.substr(positions.find_last_of('\n', positions.size() - 2) + 1));
+  std::vector<std::string> fields;
+  for (std::string field; std::getline(last, field, ',');) fields.push_back(field);
+  ASSERT_EQ(fields.size(), 8U);
+  const double time = std::stod(fields[0]);
+  EXPECT_NEAR(std::stod(fields[5]), kSpeed * (time - kStart), 0.02);  // x in the map
+  EXPECT_NEAR(std::stod(fields[6]), 0.0, 0.03);
+}
+
+TEST_F(BagReplay, RefusesAndCountsPositionsThatComeTooLate) {
+  write_run();
+  add_positions();
+  set({"sync/position_delay=0.05", "sync/detection_delay=0.05"});
+  const ReplayReport report = replay_bag(request_);
+  EXPECT_NE(out("summary.json").find("\"late\": 49"), std::string::npos) << out("summary.json");
+  const bool is_told = std::any_of(report.warnings.begin(), report.warnings.end(), [](const auto& line) {
+    return line == "49 positions or ranges not used: late";
+  });
+  EXPECT_TRUE(is_told);
 }
 
 TEST_F(BagReplay, GivesTheSameFilesAgain) {

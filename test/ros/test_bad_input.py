@@ -64,6 +64,10 @@ class BadInput(SlamCase):
         self.assert_bad_message_is_harmless(
             "imu", reason, lambda run: scenario.imu_message(just_before(run), 0.9), change, with_imu=True)
 
+    def assert_bad_position_is_harmless(self, reason, change):
+        self.assert_bad_message_is_harmless(
+            "global_position", reason, lambda run: scenario.position_message(just_before(run), 3.0, 1.0), change)
+
     def assert_bad_sight_is_harmless(self, reason, change, **options):
         def make(run):
             message = run.scenario.detections()
@@ -182,6 +186,18 @@ class BadOdometry(BadInput):
         run.scenario.step()
         run.drive(0.1, look=False)
         self.assertLess(run.pose_in_map()[0] - before[0], 0.2 * 0.1 + 0.22 * 0.1 + 1e-6)
+
+
+class Positions(BadInput):
+    def test_another_frame(self):
+        def change(message, _):
+            message.header.frame_id = "utm"
+        self.assert_bad_position_is_harmless("frame", change)
+
+    def test_no_covariance(self):
+        def change(message, _):
+            message.pose.covariance = [0.0] * 36
+        self.assert_bad_position_is_harmless("no covariance", change)
 
 
 class BadImu(BadInput):

@@ -8,6 +8,7 @@ import numpy as np
 import rospy
 import rostest
 from kinect_ekf_slam.msg import Landmark
+from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, "support"))
@@ -23,6 +24,29 @@ TRUE_POSITIONS = {identity: (x, y) for identity, (_, x, y) in scenario.LANDMARKS
 def positions(landmarks):
     """{source identity: (x, y)} of a LandmarkMap's landmarks."""
     return {landmark.source_id: (landmark.position.x, landmark.position.y) for landmark in landmarks}
+
+
+class Positions(SlamCase):
+    def test_global_ones_place_the_map_in_their_frame(self):
+        run = self.start({"fusion/align_heading_sigma_deg": 20.0})
+        static = Recorder(run.namespace + "/tf_static", TFMessage)
+        for _ in range(40):
+            step = run.scenario.step()
+            step.detections = None
+            x, y = 100.0 - step.pose[1], 50.0 + step.pose[0]  # the map's x is their y
+            run.publish("global_position", scenario.position_message(step.stamp, x, y, "earth"))
+            run.send(step)
+        earth_to_map = wait_until(
+            lambda: next((transform for message in static.messages for transform in message.transforms
+                          if (transform.header.frame_id, transform.child_frame_id) == ("earth", "map")), None),
+            lambda: "tf earth -> map; diagnostics: %s" % run.diagnostics("estimate"))
+        translation = earth_to_map.transform.translation
+        self.assertAlmostEqual(translation.x, 100.0, delta=0.05)
+        self.assertAlmostEqual(translation.y, 50.0, delta=0.05)
+        self.assertAlmostEqual(scenario.heading_of(earth_to_map.transform.rotation), 0.5 * math.pi, delta=0.1)
+        run.wait_for_count("estimate", "positions and ranges, used")
+        self.assertEqual(run.diagnostics("estimate")["map placed in the frame of global positions"], "yes")
+        static.close()
 
 
 class Pose(SlamCase):

@@ -4,7 +4,7 @@ import random
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import PoseWithCovarianceStamped, TransformStamped
 from kinect_ekf_slam.msg import LandmarkDetection, LandmarkDetectionArray
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu
@@ -105,6 +105,15 @@ def odometry_message(stamp, pose_in_odom, speed, turn):
     message.header.stamp, message.header.frame_id, message.child_frame_id = to_ros(stamp), ODOM, BASE
     set_pose(message.pose.pose, pose_in_odom)
     message.twist.twist.linear.x, message.twist.twist.angular.z = speed, turn
+    return message
+
+
+def position_message(stamp, x, y, frame="map", variance=1e-4):
+    message = PoseWithCovarianceStamped()
+    message.header.stamp, message.header.frame_id = to_ros(stamp), frame
+    message.pose.pose.position.x, message.pose.pose.position.y = x, y
+    message.pose.pose.orientation.w = 1.0
+    message.pose.covariance = np.diag([variance] * 3 + [0.0] * 3).ravel().tolist()
     return message
 
 

@@ -10,7 +10,7 @@ import rospy
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from kinect_ekf_slam.msg import AssociationArray, LandmarkDetectionArray, LandmarkMap
+from kinect_ekf_slam.msg import AssociationArray, BeaconRanges, LandmarkDetectionArray, LandmarkMap
 from kinect_ekf_slam.srv import LoadMap, SaveMap, SetMode
 from nav_msgs.msg import Odometry, Path
 from sensor_msgs.msg import Imu
@@ -191,7 +191,8 @@ class SlamRun:
 
     def _connect(self):
         kinds = {"odom": Odometry, "imu": Imu, "landmarks": LandmarkDetectionArray,
-                 "initialpose": PoseWithCovarianceStamped}
+                 "initialpose": PoseWithCovarianceStamped, "global_position": PoseWithCovarianceStamped,
+                 "beacon_ranges": BeaconRanges}
         for topic, kind in kinds.items():
             self._inputs[topic] = rospy.Publisher(self.namespace + "/" + topic, kind, queue_size=1000, tcp_nodelay=True)
         outputs = {"pose": PoseWithCovarianceStamped, "odometry": Odometry, "path": Path, "map": LandmarkMap,

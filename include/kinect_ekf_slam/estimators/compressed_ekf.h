@@ -28,6 +28,7 @@ class CompressedEkf : public Ekf<Space> {
   using typename KalmanSlam<Space>::Observations;
   Expectation expect(const Observations& observations) override;
   bool merge(int kept_id, int dropped_id, double gate) override;
+  void loosen(const typename Space::PoseMatrix& covariance) override;
   std::vector<LandmarkEstimate<Space>> landmarks() const override;
   SlamState<Space> snapshot() const override;
   void restore(const SlamState<Space>& state) override;
@@ -46,6 +47,7 @@ class CompressedEkf : public Ekf<Space> {
   using Base::H_;
   using Base::kPointDim;
   using Base::kPoseDim;
+  using Base::located_;
   using Base::map_fixed_;
   using Base::options_;
   using Base::state_;
@@ -60,6 +62,8 @@ class CompressedEkf : public Ekf<Space> {
   void corrected(const std::vector<Match>& matches, const Eigen::Ref<const Eigen::MatrixXd>& L,
                  const Eigen::Ref<const Eigen::MatrixXd>& weighted,
                  const Eigen::Ref<const Eigen::VectorXd>& whitened) override;
+  void located(const Eigen::Ref<const Eigen::MatrixXd>& L, const Eigen::Ref<const Eigen::MatrixXd>& weighted,
+               const Eigen::Ref<const Eigen::VectorXd>& whitened) override;
   int index_of(int id) override;
   int map_size() const override {
     return std::max(whole_.landmark_count(), active_.empty() ? 0 : active_.back() + 1);
@@ -76,8 +80,13 @@ class CompressedEkf : public Ekf<Space> {
   void update_whole() { deferred_.apply(active_, state_, &whole_, &pending_); }
   /// The same, and leaves nothing.
   void finish_whole();
+  /// Calls `change` with the whole map in `state_`, and begins the region anew.
+  template <class Change>
+  void change_whole(const Change& change);
+  /// `state_` holds the whole map: the region begins anew.
+  void start_anew();
   void change_region(const std::set<int>& others);
-  /// The landmarks near the robot, and `others`.
+  /// The landmarks near the robot, the beacons, which reach far, and `others`.
   std::vector<int> choose_active(const std::set<int>& others) const;
   void activate(std::vector<int> landmarks);
   /// Passive landmarks that have a part in what becomes of the observations.

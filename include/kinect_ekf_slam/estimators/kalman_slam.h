@@ -32,6 +32,10 @@ class KalmanSlam : public SlamEstimator<Space> {
 
   void predict(const MotionStep<Space>& step) override;
   UpdateReport observe(TimeNs stamp, const Observations& observations) override;
+  LocateReport locate(const PoseMeasurement<Space>& measurement, int landmark_id, double gate) override;
+  void add_landmark(int id, const typename Space::Point& position_in_map,
+                    const typename Space::PointMatrix& covariance) override;
+  void loosen(const typename Space::PoseMatrix& covariance) override;
   PoseEstimate<Space> pose() const override { return {state_.map_from_base(), state_.pose_covariance()}; }
   std::vector<LandmarkEstimate<Space>> landmarks() const override { return state_.landmarks(); }
   SlamState<Space> snapshot() const override { return state_.snapshot(); }
@@ -79,14 +83,17 @@ class KalmanSlam : public SlamEstimator<Space> {
 
   /// Fills in what is there in its size.
   virtual void predict_measurement(const std::vector<Match>& matches, PredictedMeasurement* predicted) = 0;
+  /// The same for what else tells where the robot is, of the pose and the landmark with this index, -1: none.
+  /// The mean is -nu. False where nothing is predicted.
+  virtual bool predict_measurement(const PoseMeasurement<Space>& measurement, int landmark,
+                                   PredictedMeasurement* predicted) = 0;
   /// P -= U U^T, and the state moves by the error.
   virtual void correct(const Eigen::Ref<const Eigen::MatrixXd>& U,
                        const Eigen::Ref<const Eigen::VectorXd>& error) {
-    state_.correct(U);
-    retract(error);
+    add_correction(U, error);
   }
   /// Moves the state by an error: the whole of it, or the pose alone when that is all that is given.
-  virtual void retract(const Eigen::Ref<const Eigen::VectorXd>& error);
+  virtual void retract(const Eigen::Ref<const Eigen::VectorXd>& error) { add(error); }
 
   /// The rows of H that are not zero: by the pose's error, and by that of the one landmark seen.
   struct Jacobian {
@@ -111,6 +118,10 @@ class KalmanSlam : public SlamEstimator<Space> {
                          const Eigen::Ref<const Eigen::MatrixXd>& /*L*/,
                          const Eigen::Ref<const Eigen::MatrixXd>& /*weighted*/,
                          const Eigen::Ref<const Eigen::VectorXd>& /*whitened*/) {}
+  /// Likewise, after locate().
+  virtual void located(const Eigen::Ref<const Eigen::MatrixXd>& /*L*/,
+                       const Eigen::Ref<const Eigen::MatrixXd>& /*weighted*/,
+                       const Eigen::Ref<const Eigen::VectorXd>& /*whitened*/) {}
   /// Landmarks of the whole map; the state may hold a part of them.
   virtual int map_size() const { return state_.landmark_count(); }
 
@@ -125,11 +136,21 @@ class KalmanSlam : public SlamEstimator<Space> {
  private:
   bool update(TimeNs stamp, const Observations& observations, const std::vector<Match>& matches,
               UpdateReport* report);
+  /// x += K nu and P -= K S K^T, given nu, P H^T and S in their places; leaves L^-1 nu, P H^T L^-T and L,
+  /// S = L L^T. False, and the state unchanged, when S is not positive definite.
+  /// An absolute measurement is one of places in the map: the error of these adds up.
+  bool take_in(PredictedMeasurement* innovation, bool is_absolute);
+  void add(const Eigen::Ref<const Eigen::VectorXd>& error);
+  void add_correction(const Eigen::Ref<const Eigen::MatrixXd>& U,
+                      const Eigen::Ref<const Eigen::VectorXd>& error) {
+    state_.correct(U);
+    add(error);
+  }
   /// R of a match, larger where the sighting is unlikely or says again what the last one said.
   PointMatrix measurement_noise(TimeNs stamp, const Observation<Space>& observation,
                                 const Match& match) const;
   /// With the id given, kNoId: any.
-  void add_landmark(TimeNs stamp, const Observation<Space>& observation, int id = kNoId);
+  void map_sighting(TimeNs stamp, const Observation<Space>& observation, int id = kNoId);
   void replace_if_contradicted(TimeNs stamp, const Observations& observations, UpdateReport* report);
 
   Contradictions contradictions_;  ///< by the landmark's id

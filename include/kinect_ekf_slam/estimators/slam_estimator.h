@@ -8,9 +8,11 @@
 
 #include "kinect_ekf_slam/association/associator.h"
 #include "kinect_ekf_slam/core/landmark.h"
+#include "kinect_ekf_slam/core/position.h"
 #include "kinect_ekf_slam/estimators/pose_estimate.h"
 #include "kinect_ekf_slam/models/measurement.h"
 #include "kinect_ekf_slam/models/motion.h"
+#include "kinect_ekf_slam/models/pose_measurement.h"
 
 namespace kinect_ekf_slam {
 
@@ -55,6 +57,14 @@ struct UpdateReport {
   std::vector<Revision> revisions;
 };
 
+/// What became of a measurement of where the robot is.
+struct LocateReport {
+  PositionVerdict verdict = PositionVerdict::kUnsupported;
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> innovation{};      ///< nu, before it was used
+  double squared_distance = std::numeric_limits<double>::quiet_NaN();  ///< nu^T S^-1 nu, likewise
+  double log_likelihood = std::numeric_limits<double>::quiet_NaN();    ///< log N(nu; 0, S)
+};
+
 /// The contract of every SLAM estimator: predict, observe, and say what you believe.
 ///
 /// Estimates are in the map frame. After any call the covariances are symmetric and positive semi-definite.
@@ -68,6 +78,20 @@ class SlamEstimator {
 
   /// Associates all observations of one time, corrects pose and map in one joint update, adds new landmarks.
   virtual UpdateReport observe(TimeNs stamp, const std::vector<Observation<Space>>& observations) = 0;
+
+  // What else tells where the robot is: of the Kalman filters only.
+  /// Takes in a measurement of the pose, or of the pose and the landmark with this id (kNoId: none), if its
+  /// squared distance is below `gate`.
+  virtual LocateReport locate(const PoseMeasurement<Space>& /*measurement*/, int /*landmark_id*/,
+                              double /*gate*/) {
+    return {};
+  }
+  /// A landmark that nobody sees stands here, as a list says, give or take `covariance`. Its id is new.
+  virtual void add_landmark(int /*id*/, const typename Space::Point& /*position_in_map*/,
+                            const typename Space::PointMatrix& /*covariance*/) {}
+  /// Robot and map together may lie elsewhere: moved as one rigid body by a shift and a turn about the map's
+  /// origin with this covariance.
+  virtual void loosen(const typename Space::PoseMatrix& /*covariance*/) {}
 
   virtual PoseEstimate<Space> pose() const = 0;
   virtual std::vector<LandmarkEstimate<Space>> landmarks() const = 0;

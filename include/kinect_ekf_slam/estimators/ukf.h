@@ -25,6 +25,15 @@ class Ukf : public KalmanSlam<Space> {
   using typename Base::Point;
   using typename Base::PredictedMeasurement;
   void predict_measurement(const std::vector<Match>& matches, PredictedMeasurement* predicted) override;
+  bool predict_measurement(const PoseMeasurement<Space>& measurement, int landmark,
+                           PredictedMeasurement* predicted) override;
+
+ private:
+  /// Sends the sigma points of the pose and these landmarks through `function`, from (pose, points one after
+  /// the other) to a vector.
+  template <class Function>
+  void transform(const std::vector<int>& landmarks, const Function& function,
+                 PredictedMeasurement* predicted) const;
 };
 
 }  // namespace kinect_ekf_slam

@@ -24,6 +24,14 @@ class ManagedMap : public SlamEstimator<Space> {
 
   void predict(const MotionStep<Space>& step) override { filter_->predict(step); }
   UpdateReport observe(TimeNs stamp, const Observations& observations) override;
+  LocateReport locate(const PoseMeasurement<Space>& measurement, int landmark_id, double gate) override {
+    return filter_->locate(measurement, landmark_id, gate);
+  }
+  void add_landmark(int id, const typename Space::Point& position_in_map,
+                    const typename Space::PointMatrix& covariance) override {
+    filter_->add_landmark(id, position_in_map, covariance);
+  }
+  void loosen(const typename Space::PoseMatrix& covariance) override { filter_->loosen(covariance); }
 
   // The two halves of observe(), as KalmanSlam has them.
   typename KalmanSlam<Space>::Expectation expect(const Observations& observations) {

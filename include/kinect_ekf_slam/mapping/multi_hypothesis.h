@@ -26,6 +26,11 @@ class MultiHypothesis : public SlamEstimator<Space> {
 
   void predict(const MotionStep<Space>& step) override;
   UpdateReport observe(TimeNs stamp, const Observations& observations) override;
+  /// The likeliest hypothesis decides whether the measurement is used; how well it fits counts for each.
+  LocateReport locate(const PoseMeasurement<Space>& measurement, int landmark_id, double gate) override;
+  void add_landmark(int id, const typename Space::Point& position_in_map,
+                    const typename Space::PointMatrix& covariance) override;
+  void loosen(const typename Space::PoseMatrix& covariance) override;
   PoseEstimate<Space> pose() const override { return best().map->pose(); }
   std::vector<LandmarkEstimate<Space>> landmarks() const override { return best().map->landmarks(); }
   SlamState<Space> snapshot() const override { return best().map->snapshot(); }

@@ -6,6 +6,7 @@
 #include "kinect_ekf_slam/models/input_conditioner.h"
 #include "kinect_ekf_slam/models/motion.h"
 #include "kinect_ekf_slam/models/sensor_model.h"
+#include "kinect_ekf_slam/pipeline/position_options.h"
 
 namespace kinect_ekf_slam {
 
@@ -33,6 +34,7 @@ struct PipelineOptions {
   AssociationOptions association;
   LifeCycleOptions life_cycle;
   InitialPoseOptions initial_pose;
+  PositionOptions positions;
   SpaceType space = SpaceType::kPlanar;
   Mode mode = Mode::kSlam;
   bool relocalize_when_lost =

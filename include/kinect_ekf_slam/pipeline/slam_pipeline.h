@@ -25,6 +25,8 @@ class SlamPipeline {
   virtual Pose3d look_ahead(const std::deque<SensorFrame>& waiting, TimeNs stamp) const = 0;
 
   virtual std::vector<Landmark3d> map() const = 0;
+  /// The beacons of the list as they are known now, by their ids.
+  virtual std::vector<Landmark3d> beacons() const = 0;
 
   virtual SavedState save() const = 0;
   /// Takes over the map, and the pose too if `keep_saved_pose`, else the present pose becomes independent of

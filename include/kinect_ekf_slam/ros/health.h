@@ -20,8 +20,9 @@ class Health {
     std::string odometry_topic;
     std::string imu_topic;
     std::string landmarks_topic;
-    double position_sigma_warning = 0.5;  ///< m
-    Eigen::Index position_axes = 2;       ///< that are estimated: 2 in the plane, 3 in space
+    std::map<std::string, std::string> position_topics;  ///< those that are listened to, by the input's name
+    double position_sigma_warning = 0.5;                 ///< m
+    Eigen::Index position_axes = 2;                      ///< that are estimated: 2 in the plane, 3 in space
   };
 
   Health(Expectation expectation, const ros::Time& start)
@@ -51,6 +52,8 @@ class Health {
   ros::Time last_report_;
   std::map<std::string, Input> inputs_;
   std::vector<std::uint64_t> verdicts_ = std::vector<std::uint64_t>(kVerdictCount, 0);
+  std::vector<std::uint64_t> position_verdicts_ = std::vector<std::uint64_t>(kPositionVerdictCount, 0);
+  bool is_aligned_ = false;   ///< it is known where the map lies in the frame of global positions
   double nis_per_dof_ = 1.0;  ///< exponential mean; 1 is what a consistent filter shows
   std::uint64_t updates_ = 0;
   std::uint64_t looked_ = 0;       ///< frames with detections, or with none

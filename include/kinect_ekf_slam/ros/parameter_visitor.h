@@ -131,6 +131,56 @@ class ParameterVisitor {
     }
   }
 
+  void beacons(const std::string& key, std::vector<Beacon>* value, const std::string& meaning) {
+    const std::string allowed = "a list of {id, xyz: [m], sigma: m}, no id twice, sigma more than 0";
+    note({key, "[]", "m", allowed, meaning});
+    const YAML::Node node = find(key);
+    if (!node) return;
+    if (!node.IsSequence()) fail(key, node, allowed);
+    std::set<int> ids;
+    for (const YAML::Node& item : node) {
+      Beacon beacon;
+      std::vector<double> xyz;
+      try {
+        beacon.id = item["id"].as<int>();
+        xyz = item["xyz"].as<std::vector<double>>();
+        beacon.sigma = item["sigma"].as<double>();
+      } catch (const YAML::Exception&) {
+        fail(key, item, allowed);
+      }
+      constexpr int kLargestId = 1000000;
+      const bool is_known = is_triple(xyz) && beacon.sigma > 0.0 && beacon.sigma <= 1e3;
+      if (beacon.id < 0 || beacon.id > kLargestId || !is_known || !ids.insert(beacon.id).second) {
+        fail(key, item, allowed);
+      }
+      beacon.position_in_map = {xyz[0], xyz[1], xyz[2]};
+      value->push_back(beacon);
+    }
+  }
+
+  /// Pairs of times.
+  void stretches(const std::string& key, std::vector<std::pair<double, double>>* value,
+                 const std::string& meaning) {
+    const std::string allowed = "a list of [from, to]";
+    note({key, "[]", "s", allowed, meaning});
+    const YAML::Node node = find(key);
+    if (!node) return;
+    for (const auto& stretch : convert<std::vector<std::vector<double>>>(key, node, allowed)) {
+      if (stretch.size() != 2 || !(stretch[0] <= stretch[1])) fail(key, node, allowed);
+      value->emplace_back(stretch[0], stretch[1]);
+    }
+  }
+
+  void datum(const std::string& key, std::vector<double>* value, const std::string& meaning) {
+    const std::string allowed = "first_fix, or [latitude deg, longitude deg, altitude m]";
+    note({key, "first_fix", "deg, m", allowed, meaning});
+    const YAML::Node node = find(key);
+    if (!node || (node.IsScalar() && node.Scalar() == "first_fix")) return;
+    *value = convert<std::vector<double>>(key, node, allowed);
+    if (!is_triple(*value) || std::abs((*value)[0]) > 90.0 || std::abs((*value)[1]) > 360.0)
+      fail(key, node, allowed);
+  }
+
   void require(const std::string& key) {
     required_.insert(key);
     if (yaml_ != nullptr && !find(key)) {

@@ -30,8 +30,20 @@ struct SyncOptions {
   int queue_size = 200;
   double odometry_delay = 0.0;    ///< s; odometry stamped t is true at t + delay
   double detection_delay = 1.0;   ///< s; detections later than this are refused
+  double position_delay = 0.5;    ///< s; likewise positions and ranges
   double future_tolerance = 1.0;  ///< s
   double time_jump = 1.0;         ///< s back in time that make a new run
+};
+
+/// What else tells where the robot is.
+struct FusionOptions {
+  std::string frame = "earth";  ///< of global positions
+  std::string positions_topic = "global_position";
+  std::string fix_topic;  ///< empty: no GPS
+  std::string ranges_topic = "beacon_ranges";
+  std::string antenna_frame;  ///< that global positions speak of; empty: frames/base
+  std::vector<double> datum;  ///< latitude deg, longitude deg, altitude m; empty: the first fix
+  double fix_sigma = 0.0;     ///< m, of a fix without covariance; 0: it is refused
 };
 
 struct MapOptions {
@@ -56,6 +68,7 @@ struct OutputOptions {
 struct RunOptions {
   FrameOptions frames;
   SyncOptions sync;
+  FusionOptions fusion;
   PipelineOptions pipeline;
   MapOptions map;
   OutputOptions output;

@@ -14,10 +14,11 @@
 namespace kinect_ekf_slam {
 
 /// Writes what a run produced as files for evaluation: `trajectory.tum`, `trajectory_covariance.csv`,
-/// `dead_reckoning.tum`, `landmarks.csv` (the confirmed ones), `associations.csv` (as known at the end),
-/// `associations_instant.csv` (as told at once), `parameters.yaml` (as given: the same run again with
-/// `slam_replay --config`) and `summary.json` (counts, times, warnings, versions). Files appear under their
-/// names only when complete. Throws std::runtime_error, naming the file, when one cannot be written.
+/// `dead_reckoning.tum`, `positions.csv` (positions in the map and ranges, and what became of them),
+/// `beacons.csv` (as known at the end), `landmarks.csv` (the confirmed ones), `associations.csv` (as known at
+/// the end), `associations_instant.csv` (as told at once), `parameters.yaml` (as given: the same run again
+/// with `slam_replay --config`) and `summary.json` (counts, times, warnings, versions). Files appear under
+/// their names only when complete. Throws std::runtime_error, naming the file, when one cannot be written.
 class RunWriter {
  public:
   /// `trajectory_rate` in Hz besides the frames with detections; 0: every frame.
@@ -42,6 +43,7 @@ class RunWriter {
     std::map<std::string, std::uint64_t> refusals;
     std::map<std::string, std::uint64_t> accepted;
   };
+  void write_beacons(const std::vector<Landmark3d>& beacons);
   void finish(const std::vector<Landmark3d>& map, const Summary& summary);
 
  private:
@@ -59,8 +61,9 @@ class RunWriter {
   };
   void settle_rows(const std::vector<Landmark3d>& map);
   void revise(const SlamResult& result);
+  void add_position(TimeNs stamp, const PositionOutcome& outcome);
   static std::string to_csv(const std::vector<AssociationRow>& rows);
-  void write_landmarks(const std::vector<Landmark3d>& map);
+  static std::string landmark_rows(const std::vector<Landmark3d>& map);
   void write_summary(const std::vector<Landmark3d>& map, const Summary& summary);
 
   std::string directory_;
@@ -76,6 +79,9 @@ class RunWriter {
   File trajectory_{"trajectory.tum", ""};
   File covariance_{"trajectory_covariance.csv", ""};
   File dead_reckoning_{"dead_reckoning.tum", ""};
+  File positions_{"positions.csv", ""};
+  File beacons_{"beacons.csv", ""};
+  std::map<std::string, std::uint64_t> position_verdicts_;
   File associations_{"associations.csv", ""};
   File instant_associations_{"associations_instant.csv", ""};
   File landmarks_{"landmarks.csv", ""};

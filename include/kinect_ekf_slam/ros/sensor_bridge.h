@@ -1,5 +1,7 @@
 #pragma once
 
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <kinect_ekf_slam/BeaconRanges.h>
 #include <kinect_ekf_slam/LandmarkDetectionArray.h>
 #include <message_filters/pass_through.h>
 #include <message_filters/sync_policies/approximate_time.h>
@@ -7,6 +9,7 @@
 #include <nav_msgs/Odometry.h>
 #include <ros/time.h>
 #include <sensor_msgs/Imu.h>
+#include <sensor_msgs/NavSatFix.h>
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -17,7 +20,9 @@
 #include <optional>
 #include <string>
 
+#include "kinect_ekf_slam/core/local_tangent_plane.h"
 #include "kinect_ekf_slam/pipeline/sensor_frame.h"
+#include "kinect_ekf_slam/ros/position_messages.h"
 #include "kinect_ekf_slam/ros/run_options.h"
 
 namespace kinect_ekf_slam {
@@ -39,13 +44,16 @@ class SensorBridge {
     std::function<void(const std::string&)> on_refusal;
   };
 
-  SensorBridge(const FrameOptions& frames, const SyncOptions& sync, TransformLookup lookup,
-               Handlers handlers);
+  SensorBridge(const FrameOptions& frames, const SyncOptions& sync, TransformLookup lookup, Handlers handlers,
+               const FusionOptions& fusion = {});
 
   /// True when the message was taken. `now` is the time of the run's clock; zero: it has none yet.
   bool add_odometry(const nav_msgs::Odometry::ConstPtr& message, const ros::Time& now);
   bool add_imu(const sensor_msgs::Imu::ConstPtr& message, const ros::Time& now);
   bool add_landmarks(const LandmarkDetectionArray::ConstPtr& message, const ros::Time& now);
+  bool add_position(const geometry_msgs::PoseWithCovarianceStamped& message, const ros::Time& now);
+  bool add_fix(const sensor_msgs::NavSatFix& message, const ros::Time& now);
+  bool add_ranges(const BeaconRanges& message, const ros::Time& now);
 
   /// Forgets stamps and half-formed triples; the counters stay.
   void reset();
@@ -70,6 +78,10 @@ class SensorBridge {
   bool check_stamp(Input& input, const std_msgs::Header& header, const ros::Time& now);
   /// False for a single stamp far ahead of the others: a bad one must not make all that follow look old.
   bool confirm_leap(Input& input, TimeNs stamp) const;
+  /// A message that waits for nothing: checked, and where its sensor is. Nothing, and counted: not usable.
+  std::optional<Eigen::Isometry3d> admit(Input& input, const std_msgs::Header& header,
+                                         const std::string& sensor,
+                                         const std::optional<MessageProblem>& problem, const ros::Time& now);
   bool refuse(const Input& input, const std::string& reason, const std::string& detail);
   void take(Input& input, TimeNs stamp);
   std::optional<Eigen::Isometry3d> base_from(const std::string& frame_id, const ros::Time& stamp) const;
@@ -81,6 +93,8 @@ class SensorBridge {
 
   FrameOptions frames_;
   SyncOptions sync_;
+  FusionOptions fusion_;
+  std::optional<LocalTangentPlane> plane_;  ///< of fusion/frame, once its datum is known
   TransformLookup lookup_;
   Handlers handlers_;
 
@@ -88,6 +102,9 @@ class SensorBridge {
   Input odometry_input_{"odometry"};
   Input imu_input_{"imu"};
   Input landmarks_input_{"landmarks"};
+  Input position_input_{"global_position"};
+  Input fix_input_{"fix"};
+  Input ranges_input_{"beacon_ranges"};
   std::map<std::string, std::uint64_t> refusals_;
   std::map<std::string, std::uint64_t> accepted_;
   std::deque<TimeNs> unsynchronized_;  ///< stamps of detections that wait for their odometry

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <geometry_msgs/TransformStamped.h>
+#include <kinect_ekf_slam/BeaconRanges.h>
 #include <kinect_ekf_slam/LandmarkDetectionArray.h>
 #include <kinect_ekf_slam/LandmarkMap.h>
 #include <nav_msgs/Odometry.h>
@@ -23,6 +25,8 @@ constexpr const char* kImu = "imu";
 constexpr const char* kLandmarks = "landmarks";
 constexpr const char* kTruePose = "ground_truth/pose";
 constexpr const char* kTrueLandmarks = "ground_truth/landmarks";
+constexpr const char* kPosition = "global_position";
+constexpr const char* kRanges = "beacon_ranges";
 constexpr const char* kCommand = "cmd_vel";
 constexpr const char* kColour = "camera/rgb/image_rect_color";
 constexpr const char* kDepth = "camera/depth_registered/image_raw";
@@ -31,7 +35,8 @@ constexpr const char* kCameraInfo = "camera/rgb/camera_info";
 
 /// Samples as a robot's messages: the same for a bag and for the live node.
 ///
-/// Frames: odom -> base_footprint moves, imu_link and kinect_rgb_optical_frame are mounted on base_footprint.
+/// Frames: odom -> base_footprint moves; imu_link, kinect_rgb_optical_frame, gps_link and range_link are
+/// mounted on base_footprint, the latter two where the world has GPS and beacons.
 /// The ground truth has the frame `map`, but is in world coordinates: a map that starts at the robot differs
 /// from it by the robot's start, so comparing needs an alignment.
 class SimulationMessages {
@@ -49,12 +54,17 @@ class SimulationMessages {
   /// The sample must have sightings, perhaps none.
   LandmarkDetectionArray landmarks(const Sample& sample) const;
 
+  /// The sample must have a position: of the antenna, in the frame `earth`, which is the world.
+  geometry_msgs::PoseWithCovarianceStamped position(const Sample& sample) const;
+  /// The sample must have ranges, perhaps none.
+  BeaconRanges ranges(const Sample& sample) const;
+
   /// Of the sensor's landmarks and pictures.
   std_msgs::Header optical_header(const Sample& sample) const;
 
   geometry_msgs::PoseStamped true_pose(const Sample& sample) const;
   LandmarkMap true_landmarks() const;
-  /// base_footprint to imu_link and to kinect_rgb_optical_frame.
+  /// From base_footprint to the sensors.
   std::vector<geometry_msgs::TransformStamped> mountings() const;
 
   /// The true landmarks and walls for RViz, seen from the robot's start: they lie over an estimated map,

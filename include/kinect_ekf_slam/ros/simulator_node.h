@@ -7,6 +7,7 @@
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 
@@ -34,9 +35,9 @@ SimulatorNodeOptions read_simulator_node_options(const ros::NodeHandle& private_
 ///
 /// Publishes odom, imu, landmarks, ground_truth/pose and (latched) ground_truth/landmarks, both in world
 /// coordinates, tf odom -> base_footprint, the static mountings, and ~markers (latched): the true cylinders
-/// seen from the robot's start, as an estimated map has them; and the Kinect's pictures where the world's
-/// camera takes any. Driven by cmd_vel (geometry_msgs/Twist), it stops when no command came for half a
-/// second.
+/// seen from the robot's start, as an estimated map has them; global_position and beacon_ranges where the
+/// world has GPS and beacons; and the Kinect's pictures where the world's camera takes any. Driven by cmd_vel
+/// (geometry_msgs/Twist), it stops when no command came for half a second.
 class SimulatorNode {
  public:
   /// Throws WorldFileError.
@@ -65,6 +66,9 @@ class SimulatorNode {
   ros::Publisher odometry_publisher_;
   ros::Publisher imu_publisher_;
   ros::Publisher landmarks_publisher_;
+  ros::Publisher position_publisher_;
+  ros::Publisher ranges_publisher_;
+  std::deque<geometry_msgs::PoseWithCovarianceStamped> delayed_positions_;
   ros::Publisher true_pose_publisher_;
   ros::Publisher true_landmarks_publisher_;
   ros::Publisher markers_publisher_;

@@ -11,6 +11,7 @@
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_ros/buffer.h>
+#include <tf2_ros/static_transform_broadcaster.h>
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <boost/thread/recursive_mutex.hpp>
@@ -44,6 +45,9 @@ class SlamNode {
   void on_odometry(const nav_msgs::Odometry::ConstPtr& message);
   void on_imu(const sensor_msgs::Imu::ConstPtr& message);
   void on_landmarks(const LandmarkDetectionArray::ConstPtr& message);
+  void on_position(const geometry_msgs::PoseWithCovarianceStamped::ConstPtr& message);
+  void on_fix(const sensor_msgs::NavSatFix::ConstPtr& message);
+  void on_ranges(const BeaconRanges::ConstPtr& message);
   void on_initial_pose(const geometry_msgs::PoseWithCovarianceStamped::ConstPtr& message);
   void on_result(const SensorFrame& frame, const SlamResult& result);
   void on_live_change(SlamConfig* config);
@@ -58,6 +62,8 @@ class SlamNode {
   void forget_what_was_shown();
   void publish_pose(const nav_msgs::Odometry& odometry);
   void publish_transform(const Pose3d& pose, const geometry_msgs::Pose& odom_from_base);
+  /// tf fusion/frame -> map, each time that it changes.
+  void publish_alignment(const SlamResult& result);
   void publish_scene();
   std::string save(const std::string& file_name);
 
@@ -89,6 +95,8 @@ class SlamNode {
   ros::Publisher marker_publisher_;
   ros::Publisher association_publisher_;
   tf2_ros::TransformBroadcaster broadcaster_;
+  tf2_ros::StaticTransformBroadcaster static_broadcaster_;
+  bool is_aligned_ = false;
   ros::Timer scene_timer_;
   diagnostic_updater::Updater diagnostics_;
   ros::WallTimer diagnostics_timer_;

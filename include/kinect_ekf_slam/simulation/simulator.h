@@ -39,6 +39,8 @@ struct Sample {
   std::optional<Odometry> odometry;
   std::optional<Eigen::Vector3d> gyro_rate_in_imu;  ///< rad/s
   std::optional<std::vector<Sighting>> sightings;   ///< empty: looked, saw nothing
+  std::optional<GlobalPosition> position;           ///< in the world
+  std::optional<std::vector<BeaconRange>> ranges;   ///< empty: no beacon is near
   bool takes_picture = false;                       ///< the camera's turn: study/simulated_picture.h
 };
 
@@ -96,10 +98,14 @@ class Simulator {
   RandomStream wheel_random_;
   RandomStream gyro_random_;
   RandomStream sensor_random_;
+  GpsReceiver gps_;
+  RangeReceiver range_receiver_;
   Ticker odometry_ticker_;
   Ticker gyro_ticker_;
   Ticker sensor_ticker_;
   Ticker camera_ticker_;
+  Ticker gps_ticker_;
+  Ticker range_ticker_;
 
   TimeNs now_ = 0;
   RobotPose world_from_base_;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kinect_ekf_slam/core/landmark.h"
+#include "kinect_ekf_slam/simulation/place_sensors.h"
 #include "kinect_ekf_slam/simulation/rgbd_camera.h"
 #include "kinect_ekf_slam/simulation/robot_pose.h"
 
@@ -107,6 +108,8 @@ struct World {
   GyroOptions gyro;
   KinectOptions sensor;
   PictureOptions pictures;
+  GpsOptions gps;
+  BeaconOptions beacons;
 
   bool is_spatial() const { return drive.world_from_start.is_spatial(); }
 };

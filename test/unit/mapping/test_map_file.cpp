@@ -249,8 +249,8 @@ TEST_F(MapFile, IsRefusedWhenItsVotesAreNone) {
 }
 
 TEST_F(MapFile, IsRefusedWhenTwoLandmarksShareANumber) {
-  EXPECT_EQ(refusal_after("{id: 4,", "{id: 1,"), "landmark id 1 is negative or used twice");
-  EXPECT_EQ(refusal_after("{id: 4,", "{id: -4,"), "landmark id -4 is negative or used twice");
+  EXPECT_EQ(refusal_after("{id: 4,", "{id: 1,"), "landmark id 1 is none or used twice");
+  EXPECT_EQ(refusal_after("{id: 4,", "{id: -1,"), "landmark id -1 is none or used twice");
 }
 
 TEST_F(MapFile, IsRefusedWhenItsCovarianceIsNone) {

@@ -20,6 +20,13 @@ SensorFrame detections(double time) {
   return frame;
 }
 
+SensorFrame position(double time) {
+  SensorFrame frame;
+  frame.stamp = to_nanoseconds(time);
+  frame.position.emplace();
+  return frame;
+}
+
 using Times = std::vector<TimeNs>;  // ms
 
 Times times(const std::vector<SensorFrame>& frames) {
@@ -81,6 +88,24 @@ TEST(FrameBuffer, WithoutDelayLetsAllThrough) {
   FrameBuffer buffer(0.0, 100);
   EXPECT_EQ(times(buffer.add(odometry(5.0))), Times({5000}));
   EXPECT_EQ(times(buffer.add(detections(5.05))), Times({5050}));
+}
+
+/// Detections are there at once, positions half a second later: each is used at its own time.
+TEST(FrameBuffer, AllWaitsForPositionsOnceThereHaveBeenAny) {
+  FrameBuffer buffer(1.0, 100, 0.5);
+  EXPECT_EQ(times(buffer.add(detections(5.0))), Times({5000}));
+  buffer.add(position(5.1));
+  EXPECT_EQ(times(buffer.add(detections(5.4))), Times({5100}));
+  EXPECT_EQ(times(buffer.add(position(5.2))), Times({5200}));
+  EXPECT_EQ(times(buffer.add(position(5.5))), Times({5400}));
+}
+
+TEST(FrameBuffer, NothingWaitsLongerForPositionsThanTheirDelay) {
+  FrameBuffer buffer(1.0, 100, 0.5);
+  buffer.add(position(5.0));
+  buffer.flush();
+  EXPECT_TRUE(buffer.add(detections(5.6)).empty());
+  EXPECT_EQ(times(buffer.add(detections(6.2))), Times({5600}));
 }
 
 TEST(FrameBuffer, FlushEmptiesIt) {

@@ -47,6 +47,30 @@ TEST(Parameters, ReadWhatIsGivenAndKeepTheDefaultsOfTheRest) {
   EXPECT_TRUE(unread.empty());
 }
 
+TEST(Parameters, ReadBeacons) {
+  YAML::Node yaml = least();
+  set_parameter("fusion/beacons=[{id: 3, xyz: [1, 2, 0.5], sigma: 0.1}]", &yaml);
+  set_parameter("fusion/datum=[42.0, -71.0, 5.0]", &yaml);
+  const RunOptions options = read_parameters(yaml, nullptr);
+  ASSERT_EQ(options.pipeline.positions.beacons.size(), 1U);
+  EXPECT_EQ(options.pipeline.positions.beacons[0].id, 3);
+  EXPECT_EQ(options.pipeline.positions.beacons[0].position_in_map, Eigen::Vector3d(1.0, 2.0, 0.5));
+  EXPECT_EQ(options.fusion.datum, (std::vector<double>{42.0, -71.0, 5.0}));
+}
+
+TEST(Parameters, SayWhichBeaconOrDatumCannotBe) {
+  EXPECT_EQ(
+      refusal("fusion/beacons=[{id: 3, xyz: [1, 2, 0], sigma: 0.1}, {id: 3, xyz: [4, 2, 0], sigma: 0.1}]"),
+      "fusion/beacons: '{id: 3, xyz: [4, 2, 0], sigma: 0.1}' given, allowed: a list of {id, xyz: [m], "
+      "sigma: m}, no id twice, sigma more than 0");
+  EXPECT_NE(refusal("fusion/beacons=[{id: 3, xyz: [1, 2, 0], sigma: 0}]"), "");
+  EXPECT_EQ(
+      refusal("fusion/datum=somewhere"),
+      "fusion/datum: 'somewhere' given, allowed: first_fix, or [latitude deg, longitude deg, altitude m]");
+  EXPECT_NE(refusal("fusion/datum=[95.0, 0.0, 0.0]"), "");
+  EXPECT_NE(refusal("fusion/frame=map"), "");
+}
+
 TEST(Parameters, SayWhichRequiredKeyIsMissing) {
   for (const char* key : {"frames/map", "frames/odom", "frames/base", "estimator/type", "association/type"}) {
     YAML::Node yaml = least();

@@ -37,7 +37,7 @@ class Bridge : public ::testing::Test {
       const bool found = target == "base_link" && known != transforms_.end();
       return found ? std::make_optional(known->second) : std::nullopt;
     };
-    bridge_ = std::make_unique<SensorBridge>(frames_, sync_, lookup, handlers);
+    bridge_ = std::make_unique<SensorBridge>(frames_, sync_, lookup, handlers, fusion_);
   }
 
   static nav_msgs::Odometry odometry_message(double time) {
@@ -74,6 +74,29 @@ class Bridge : public ::testing::Test {
   bool add(const LandmarkDetectionArray& message, double now = 0.0) {
     return bridge_->add_landmarks(boost::make_shared<LandmarkDetectionArray>(message), ros::Time(now));
   }
+  static geometry_msgs::PoseWithCovarianceStamped position_message(double time) {
+    geometry_msgs::PoseWithCovarianceStamped message;
+    message.header.stamp = ros::Time(time);
+    message.header.frame_id = "map";
+    message.pose.pose.orientation.w = 1.0;
+    message.pose.pose.position.x = 7.0;
+    for (const std::size_t i : {0U, 7U, 14U}) message.pose.covariance[i] = 0.25;
+    return message;
+  }
+  static sensor_msgs::NavSatFix fix_message(double time) {
+    sensor_msgs::NavSatFix message;
+    message.header.stamp = ros::Time(time);
+    message.header.frame_id = "/gps_link";
+    message.latitude = 42.0;
+    message.longitude = -71.0;
+    for (const std::size_t i : {0U, 4U, 8U}) message.position_covariance[i] = 1.0;
+    message.position_covariance_type = sensor_msgs::NavSatFix::COVARIANCE_TYPE_DIAGONAL_KNOWN;
+    return message;
+  }
+  bool add(const geometry_msgs::PoseWithCovarianceStamped& message) {
+    return bridge_->add_position(message, ros::Time());
+  }
+  bool add(const sensor_msgs::NavSatFix& message) { return bridge_->add_fix(message, ros::Time()); }
   bool odometry(double time, double now = 0.0) { return add(odometry_message(time), now); }
   bool imu(double time, double now = 0.0) { return add(imu_message(time), now); }
   bool landmarks(double time, double now = 0.0) { return add(landmarks_message(time), now); }
@@ -87,6 +110,7 @@ class Bridge : public ::testing::Test {
 
   FrameOptions frames_;
   SyncOptions sync_;
+  FusionOptions fusion_;
   std::map<std::string, Eigen::Isometry3d> transforms_;
   std::unique_ptr<SensorBridge> bridge_;
   std::vector<SensorFrame> frames_out_;
@@ -104,6 +128,98 @@ TEST_F(Bridge, TurnsMessagesIntoFrames) {
   EXPECT_EQ(frames_out_[0].odometry->angular.z(), -0.4);
   EXPECT_FALSE(frames_out_[0].detections);
   EXPECT_EQ(bridge_->accepted(), (Counts{{"odometry", 1}}));
+}
+
+TEST_F(Bridge, APositionIsInTheMapOrInTheFrameOfGlobalOnes) {
+  EXPECT_TRUE(add(position_message(1.0)));
+  ASSERT_TRUE(frames_out_.back().position);
+  EXPECT_EQ(frames_out_.back().position->position_in_map.x(), 7.0);
+  EXPECT_FALSE(frames_out_.back().position->map_from_base);  // no angle has a covariance
+  auto global = position_message(2.0);
+  global.header.frame_id = "earth";
+  global.pose.covariance[35] = 0.01;
+  EXPECT_TRUE(add(global));
+  ASSERT_TRUE(frames_out_.back().global_position);
+  EXPECT_TRUE(frames_out_.back().global_position->map_from_base);
+}
+
+TEST_F(Bridge, SaysWhatIsWrongWithAPosition) {
+  auto elsewhere = position_message(1.0);
+  elsewhere.header.frame_id = "utm";
+  EXPECT_FALSE(add(elsewhere));
+  EXPECT_EQ(lines_.back(),
+            "global_position: message refused, its frame is 'utm', expected frames/map 'map' or fusion/frame "
+            "'earth'");
+  auto sure = position_message(1.0);
+  sure.pose.covariance.fill(0.0);
+  EXPECT_FALSE(add(sure));
+  EXPECT_EQ(lines_.back(),
+            "global_position: message refused, its covariance is all zero: how sure the position is must be "
+            "told");
+  EXPECT_TRUE(add(position_message(3.0)));
+  EXPECT_FALSE(add(position_message(2.0)));
+  EXPECT_EQ(lines_.back(), "global_position: message refused, stamp 2.000000 is older than the last one");
+  EXPECT_EQ(refusals(), (Counts{{"global_position: frame", 1},
+                                {"global_position: no covariance", 1},
+                                {"global_position: old", 1}}));
+}
+
+TEST_F(Bridge, AFixIsEastAndNorthOfTheFirstOne) {
+  transforms_["gps_link"] = Eigen::Isometry3d(Eigen::Translation3d(0.1, 0.2, 0.3));
+  EXPECT_TRUE(add(fix_message(1.0)));
+  auto north = fix_message(2.0);
+  north.latitude += 1e-4;
+  EXPECT_TRUE(add(north));
+  EXPECT_TRUE(MatrixNear(frames_out_[0].global_position->position_in_map, Eigen::Vector3d::Zero(), 1e-9));
+  EXPECT_TRUE(
+      MatrixNear(frames_out_[1].global_position->position_in_map, Eigen::Vector3d(0.0, 11.107, 0.0), 1e-3));
+  EXPECT_TRUE(
+      MatrixNear(frames_out_[1].global_position->antenna_in_base, Eigen::Vector3d(0.1, 0.2, 0.3), 0.0));
+}
+
+TEST_F(Bridge, AFixIsEastAndNorthOfTheDatum) {
+  transforms_["gps_link"] = Eigen::Isometry3d::Identity();
+  fusion_.datum = {42.0 - 1e-4, -71.0, 0.0};
+  make();
+  EXPECT_TRUE(add(fix_message(1.0)));
+  EXPECT_NEAR(frames_out_[0].global_position->position_in_map.y(), 11.107, 1e-3);
+}
+
+TEST_F(Bridge, SaysWhatIsWrongWithAFix) {
+  EXPECT_FALSE(add(fix_message(1.0)));
+  EXPECT_EQ(lines_.back(), "fix: message refused, no tf from 'gps_link' to 'base_link'");
+  transforms_["gps_link"] = Eigen::Isometry3d::Identity();
+  auto none = fix_message(2.0);
+  none.status.status = sensor_msgs::NavSatStatus::STATUS_NO_FIX;
+  EXPECT_FALSE(add(none));
+  EXPECT_EQ(lines_.back(), "fix: message refused, its status is -1: the receiver has no fix");
+  auto unsure = fix_message(2.0);
+  unsure.position_covariance_type = sensor_msgs::NavSatFix::COVARIANCE_TYPE_UNKNOWN;
+  EXPECT_FALSE(add(unsure));
+  EXPECT_EQ(lines_.back(),
+            "fix: message refused, its covariance is unknown; set fusion/fix_sigma to use such fixes");
+  auto nowhere = fix_message(2.0);
+  nowhere.latitude = kNan;
+  EXPECT_FALSE(add(nowhere));
+  EXPECT_EQ(
+      refusals(),
+      (Counts{
+          {"fix: no transform", 1}, {"fix: no fix", 1}, {"fix: no covariance", 1}, {"fix: not finite", 1}}));
+}
+
+TEST_F(Bridge, RangesHaveTheirReceiversPlace) {
+  transforms_["range_link"] = Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 0.4));
+  BeaconRanges message;
+  message.header.stamp = ros::Time(1.0);
+  message.header.frame_id = "range_link";
+  message.ranges.resize(1);
+  message.ranges[0].beacon = 7;
+  message.ranges[0].range = 5.0;
+  message.ranges[0].variance = 0.01;
+  EXPECT_TRUE(bridge_->add_ranges(message, ros::Time()));
+  ASSERT_EQ(frames_out_[0].ranges.size(), 1U);
+  EXPECT_EQ(frames_out_[0].ranges[0].beacon, 7);
+  EXPECT_EQ(frames_out_[0].ranges[0].receiver_in_base.z(), 0.4);
 }
 
 TEST_F(Bridge, AnImuOnItsSideGivesTheYawRate) {

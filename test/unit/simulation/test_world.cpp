@@ -77,7 +77,8 @@ TEST(World, ErrorsAreOneExactLine) {
       {{"rpy_deg: [0, 0, 0]", "rpy: [0, 0, 0]"},
        "gyro/base_from_imu/rpy_deg: is missing, allowed: three numbers"},
       {{"drive: {start", "robots: 2\ndrive: {start"},
-       "robots: is not known, allowed: camera, drive, gyro, landmarks, panels, room, sensor, space, wheels"},
+       "robots: is not known, allowed: beacons, camera, drive, gps, gyro, landmarks, panels, room, sensor, "
+       "space, wheels"},
   };
   for (const auto& [change, line] : cases) {
     EXPECT_EQ(error_with(change.first, change.second), "w.yaml: " + line);

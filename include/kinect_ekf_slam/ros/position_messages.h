@@ -1,0 +1,38 @@
+#pragma once
+
+#include <geometry_msgs/PoseWithCovariance.h>
+#include <kinect_ekf_slam/BeaconRanges.h>
+#include <sensor_msgs/NavSatFix.h>
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kinect_ekf_slam/core/local_tangent_plane.h"
+#include "kinect_ekf_slam/core/position.h"
+
+namespace kinect_ekf_slam {
+
+/// What is wrong with a message, as a reason to count and a line to read.
+struct MessageProblem {
+  std::string reason;
+  std::string detail;
+};
+
+/// The antenna's pose in the frame of the message. Its attitude is used where the covariance of all three
+/// angles is positive and less than that of any angle at all; a yaw alone is used where roll and pitch are as
+/// good as the ground is flat.
+GlobalPosition to_position(const geometry_msgs::PoseWithCovariance& message,
+                           const Eigen::Isometry3d& base_from_antenna);
+std::optional<MessageProblem> problem_of(const geometry_msgs::PoseWithCovariance& message);
+
+/// East, north and up of the plane's datum. `sigma` m where the message has no covariance of its own.
+GlobalPosition to_position(const sensor_msgs::NavSatFix& message, const LocalTangentPlane& plane,
+                           const Eigen::Isometry3d& base_from_antenna, double sigma);
+/// `sigma` 0: a fix without a covariance cannot be used.
+std::optional<MessageProblem> problem_of(const sensor_msgs::NavSatFix& message, double sigma);
+
+std::vector<BeaconRange> to_ranges(const BeaconRanges& message, const Eigen::Isometry3d& base_from_receiver);
+
+}  // namespace kinect_ekf_slam
