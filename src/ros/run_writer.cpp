@@ -11,6 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/core/atomic_file.h"
 
 namespace kinect_ekf_slam {
@@ -89,6 +90,20 @@ std::string json_texts(const std::vector<std::string>& texts) {
   return text + "]";
 }
 
+/// Where the map lies in the frame of global positions; null: not known.
+std::string json_place(const std::optional<Eigen::Isometry3d>& map_from_global) {
+  if (!map_from_global) return "null";
+  const Eigen::Isometry3d global_from_map = map_from_global->inverse();
+  std::string text;
+  for (int axis = 0; axis < 3; ++axis) {
+    text += std::string(axis == 0 ? "{" : ", ") + "\"" + "xyz"[axis] + "\": ";
+    append(&text, global_from_map.translation()(axis), 12);
+  }
+  text += ", \"yaw_deg\": ";
+  append(&text, degrees(std::atan2(global_from_map.linear()(1, 0), global_from_map.linear()(0, 0))), 12);
+  return text + "}";
+}
+
 /// What the program was made from.
 std::string json_versions() {
   const auto dotted = [](int major, int minor, int patch) {
@@ -141,6 +156,7 @@ void RunWriter::restart() {
   covariance_.text = covariance_header();
   positions_.text = "t,beacon,verdict,nis,dof,x,y,z\n";
   position_verdicts_.clear();
+  map_from_global_.reset();
   rows_.clear();
   instant_rows_.clear();
   merged_.clear();
@@ -160,6 +176,7 @@ void RunWriter::add(const SensorFrame& frame, const SlamResult& result) {
     rows_.push_back(instant_rows_.back());
   }
   revise(result);
+  map_from_global_ = result.map_from_global;
   for (const PositionOutcome& outcome : result.positions) add_position(frame.stamp, outcome);
   if (!result.finite) return;
   const TimeNs stamp = result.pose.stamp;
@@ -270,6 +287,7 @@ void RunWriter::write_summary(const std::vector<Landmark3d>& map, const Summary&
        << ",\n  \"frames\": " << frames_ << ",\n  \"detection_frames\": " << detection_frames_
        << ",\n  \"detections\": " << json_counts(verdicts)
        << ",\n  \"positions\": " << json_counts(position_verdicts_)
+       << ",\n  \"map_in_fusion_frame\": " << json_place(map_from_global_)
        << ",\n  \"messages\": " << json_counts(summary.accepted)
        << ",\n  \"messages_refused\": " << json_counts(summary.refusals)
        << ",\n  \"landmarks\": " << landmarks << ",\n  \"update_ms_mean\": " << mean

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -82,6 +83,7 @@ class RunWriter {
   File positions_{"positions.csv", ""};
   File beacons_{"beacons.csv", ""};
   std::map<std::string, std::uint64_t> position_verdicts_;
+  std::optional<Eigen::Isometry3d> map_from_global_;
   File associations_{"associations.csv", ""};
   File instant_associations_{"associations_instant.csv", ""};
   File landmarks_{"landmarks.csv", ""};
