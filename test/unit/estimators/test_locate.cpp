@@ -95,6 +95,23 @@ TYPED_TEST(Locate, APositionOutsideTheGateChangesNothing) {
   EXPECT_TRUE(MatrixNear(after.covariance, before.covariance, 0.0));
 }
 
+TYPED_TEST(Locate, AFixedMapStaysAsItIs) {
+  using Space = typename TypeParam::Space;
+  const auto estimator = this->make(pose_at<Space>(typename Space::Pose(), 0.3));
+  estimator->observe(1, {testing::seen<Space>(Space::from_3d(Eigen::Vector3d(2.0, 1.0, 0.5)), 5)});
+  estimator->set_map_fixed(true);
+  const auto before = estimator->snapshot();
+  EXPECT_EQ(estimator->locate(this->position({0.3, 0.2, 0.1}, 0.1), kNoId, kWideGate).verdict,
+            PositionVerdict::kUsed);
+  const auto after = estimator->snapshot();
+  constexpr int kPoint = Space::kPointDim;
+  EXPECT_GT((after.map_from_base.translation() - before.map_from_base.translation()).norm(), 0.2);
+  EXPECT_TRUE(MatrixNear(after.landmarks_in_map, before.landmarks_in_map, 0.0));
+  EXPECT_TRUE(MatrixNear(after.covariance.bottomRightCorner(kPoint, kPoint),
+                         before.covariance.bottomRightCorner(kPoint, kPoint), 0.0));
+  EXPECT_TRUE(IsCovariance(after.covariance));
+}
+
 TYPED_TEST(Locate, ARangeToABeaconThatIsNotThereIsToldApart) {
   using Space = typename TypeParam::Space;
   const auto estimator = this->make(pose_at<Space>(typename Space::Pose(), 0.3));

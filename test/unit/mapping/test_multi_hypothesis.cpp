@@ -81,6 +81,23 @@ TEST(MultiHypothesis, ALaterSightingRevisesAnAmbiguousOne) {
   EXPECT_TRUE(MatrixNear(run.slam().landmarks()[0].position_in_map, Slipped::kLeft, 0.03));
 }
 
+TEST(MultiHypothesis, APositionDecidesBetweenThem) {
+  Slipped run;
+  run.make_a_map();
+  run.slip();
+  run.look({Slipped::kLeft});
+  ASSERT_GT(run.hypotheses().hypotheses(), 1);
+  EXPECT_FALSE(PoseNear(run.slam().pose().map_from_base, run.truth(), 0.3));
+  GlobalPosition measured;
+  measured.position_in_map = Planar::to_3d(run.truth().translation());
+  measured.covariance.diagonal().setConstant(0.0025);
+  constexpr double kWideGate = 1e6;
+  EXPECT_EQ(run.slam().locate(PositionMeasurement<Planar>(measured), kNoId, kWideGate).verdict,
+            PositionVerdict::kUsed);
+  run.look({});
+  EXPECT_TRUE(PoseNear(run.slam().pose().map_from_base, run.truth(), 0.03));
+}
+
 TEST(MultiHypothesis, OneHypothesisDecidesAtOnceAndStillWorks) {
   Slipped run(1);
   run.make_a_map();
