@@ -196,7 +196,7 @@ void KalmanSlam<Space>::add_landmark(int id, const Point& position_in_map, const
   insert_landmark(std::move(info), position_in_map, Space::PointByPose::Zero(), covariance);
 }
 
-/// P += J Sigma J^T, equation (11.8).
+/// P += J Sigma J^T, equation (11.10).
 template <class Space>
 void KalmanSlam<Space>::loosen(const PoseMatrix& covariance) {
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(state_.size(), kPoseDim);

@@ -157,7 +157,7 @@ PositionOutcome PositionUpdates<Space>::take_position(const GlobalPosition& posi
 }
 
 /// Until it is known where the map lies, positions are taken for that; once it is, the map lies there by
-/// definition, and what is not sure of it is how the estimate lies in the map: equation (11.8).
+/// definition, and what is not sure of it is how the estimate lies in the map: equation (11.10).
 template <class Space>
 PositionOutcome PositionUpdates<Space>::align(const GlobalPosition& global_position, TimeNs stamp,
                                               Estimator* estimator) {

@@ -39,7 +39,6 @@ class GlobalAlignment {
 
  private:
   struct Fit;
-  static Fit fit(const std::vector<Pair>& pairs);
 
   std::vector<Pair> pairs_;  ///< thinned out when there are many
 };
