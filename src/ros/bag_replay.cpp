@@ -201,6 +201,18 @@ class Replay {
         std::move(handlers));
   }
 
+  void add_position_warnings(std::vector<std::string>* lines) const {
+    for (const auto& [verdict, count] : position_verdicts_) {
+      if (verdict == PositionVerdict::kUsed || verdict == PositionVerdict::kAligning) continue;
+      lines->push_back(std::to_string(count) + " positions or ranges not used: " + to_string(verdict));
+    }
+    if (position_verdicts_.count(PositionVerdict::kAligning) > 0 && !is_aligned_) {
+      lines->push_back(
+          "where the map lies in fusion/frame '" + request_.options.fusion.frame +
+          "' was not found: the robot has not moved far enough, or the positions contradict its way");
+    }
+  }
+
   std::vector<std::string> warnings() const {
     std::vector<std::string> lines;
     if (report_.detection_frames == 0) {
@@ -212,21 +224,13 @@ class Replay {
       lines.push_back("time went back " + std::to_string(report_.new_runs) +
                       " times; the results are of the last run");
     }
-    if (lost_looks_ > 0) {
-      lines.push_back("lost for " + std::to_string(lost_looks_) + " of " +
-                      std::to_string(report_.detection_frames) + " detection messages, from " +
-                      std::to_string(to_seconds(first_lost_)) +
-                      " s on: most of what was seen fitted no landmark, or positions contradicted");
+    if (lost_ > 0) {
+      const std::string kinds = position_verdicts_.empty() ? " detection" : " detection, position and range";
+      lines.push_back("lost for " + std::to_string(lost_) + " of " + std::to_string(told_) + kinds +
+                      " messages, from " + std::to_string(to_seconds(first_lost_)) +
+                      " s on: most of what was seen fitted no landmark, or what told the place contradicted");
     }
-    for (const auto& [verdict, count] : position_verdicts_) {
-      if (verdict == PositionVerdict::kUsed || verdict == PositionVerdict::kAligning) continue;
-      lines.push_back(std::to_string(count) + " positions or ranges not used: " + to_string(verdict));
-    }
-    if (position_verdicts_.count(PositionVerdict::kAligning) > 0 && !is_aligned_) {
-      lines.push_back(
-          "where the map lies in fusion/frame '" + request_.options.fusion.frame +
-          "' was not found: the robot has not moved far enough, or the positions contradict its way");
-    }
+    add_position_warnings(&lines);
     if (without_room_ > 0) {
       lines.push_back(std::to_string(without_room_) +
                       " sightings of new landmarks refused, the map is full: estimator/max_landmarks is " +
@@ -248,9 +252,12 @@ class Replay {
     if (writer_) writer_->add(frame, result);
     for (const PositionOutcome& outcome : result.positions) ++position_verdicts_[outcome.verdict];
     is_aligned_ = is_aligned_ || result.map_from_global;
+    if (result.looked || !result.positions.empty()) {
+      ++told_;
+      if (result.localization == Localization::kLost && lost_++ == 0) first_lost_ = frame.stamp;
+    }
     if (!result.looked) return;
     ++report_.detection_frames;
-    if (result.localization == Localization::kLost && lost_looks_++ == 0) first_lost_ = frame.stamp;
     without_room_ +=
         std::count_if(result.outcomes.begin(), result.outcomes.end(),
                       [](const DetectionOutcome& outcome) { return outcome.verdict == Verdict::kMapFull; });
@@ -294,7 +301,8 @@ class Replay {
   Clock::time_point message_start_;
   RunWriter::Summary summary_;
   std::map<std::string, std::string> first_refusals_;  ///< of each kind: others differ in their stamps
-  std::size_t lost_looks_ = 0;  ///< detection messages while the robot was not where it believed to be
+  std::size_t told_ = 0;                               ///< messages that say where the robot is ...
+  std::size_t lost_ = 0;  ///< ... those of them while it was not where it believed to be
   TimeNs first_lost_ = 0;
   std::map<PositionVerdict, std::size_t> position_verdicts_;
   bool is_aligned_ = false;
