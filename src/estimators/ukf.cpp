@@ -62,6 +62,7 @@ void Ukf<Space>::transform(const std::vector<int>& landmarks, const Function& fu
 template <class Space>
 void Ukf<Space>::predict_measurement(const std::vector<Match>& matches, PredictedMeasurement* predicted) {
   std::vector<int> landmarks;
+  landmarks.reserve(matches.size());
   for (const Match& match : matches) landmarks.push_back(match.landmark);
   const auto see = [](const typename Space::Pose& pose, const Eigen::VectorXd& points) {
     const typename Space::Pose from_map = pose.inverse();
