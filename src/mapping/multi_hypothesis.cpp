@@ -88,7 +88,7 @@ UpdateReport MultiHypothesis<Space>::observe(TimeNs stamp, const Observations& o
 template <class Space>
 LocateReport MultiHypothesis<Space>::locate(const PoseMeasurement<Space>& measurement, int landmark_id,
                                             double gate) {
-  const LocateReport report = hypotheses_.front().map->locate(measurement, landmark_id, gate);
+  LocateReport report = hypotheses_.front().map->locate(measurement, landmark_id, gate);
   if (report.verdict != PositionVerdict::kUsed) return report;
   for (std::size_t i = 1; i < hypotheses_.size(); ++i) {
     const LocateReport other =

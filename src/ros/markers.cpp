@@ -119,6 +119,7 @@ MarkerArray MarkerPainter::paint(const MarkerScene& scene) {
   stamp_ = to_ros(scene.pose.stamp);
   MarkerArray array;
   paint_landmarks(scene, &array);
+  paint_beacons(scene, &array);
   paint_robot(scene, &array);
   paint_associations(scene, &array);
   paint_path("path", scene.path, 2.0 * kThin, color(0.3, 0.65, 1.0, 1.0), &array);
@@ -196,6 +197,22 @@ void MarkerPainter::paint_landmarks(const MarkerScene& scene, MarkerArray* array
       array->markers.push_back(marker(space, id, Marker::CYLINDER));
       array->markers.back().action = Marker::DELETE;
     }
+  }
+}
+
+void MarkerPainter::paint_beacons(const MarkerScene& scene, MarkerArray* array) const {
+  constexpr double kEdge = 0.15;  // m
+  const std_msgs::ColorRGBA shade = color(0.2, 0.8, 0.7, 1.0);
+  for (const Landmark3d& beacon : scene.beacons) {
+    Marker body = marker("beacons", beacon.id, Marker::CUBE);
+    body.pose.position = to_point(beacon.position_in_map);
+    body.scale.x = body.scale.y = body.scale.z = kEdge;
+    body.color = shade;
+    array->markers.push_back(body);
+    array->markers.push_back(
+        spread("beacon_covariance", beacon.id, beacon.position_in_map, beacon.covariance));
+    array->markers.back().color = shade;
+    array->markers.back().color.a *= 0.4F;
   }
 }
 

@@ -314,6 +314,7 @@ void SlamNode::publish_scene() {
   scene_changed_ = false;
   MarkerScene scene;
   scene.map = session_.pipeline().map();
+  scene.beacons = session_.pipeline().beacons();
   scene.pose = session_.pose_at(session_.newest());
   health_.note_map(scene.map.size());
   map_publisher_.publish(to_message(scene.map, options_.frames.map, scene.pose.stamp));

@@ -43,11 +43,12 @@ struct MarkerScene {
   std::vector<DetectionOutcome> outcomes;  ///< of the last frame with detections
   std::vector<geometry_msgs::Point> path;
   std::vector<geometry_msgs::Point> dead_reckoned_path;
+  std::vector<Landmark3d> beacons{};
 };
 
 /// Turns scenes into markers; remembers which landmarks are shown, to remove those that have gone. In the
-/// plane landmarks are cylinders that stand on flat ellipses, in space balls in ellipsoids. What is not
-/// confirmed yet is faint, and a question mark ends its name.
+/// plane landmarks are cylinders that stand on flat ellipses, in space balls in ellipsoids; beacons are
+/// cubes. What is not confirmed yet is faint, and a question mark ends its name.
 class MarkerPainter {
  public:
   MarkerPainter(std::string frame_id, double sigmas, SpaceType space = SpaceType::kPlanar)
@@ -66,6 +67,7 @@ class MarkerPainter {
                                     const Eigen::Matrix3d& covariance) const;
   bool is_planar() const { return space_ == SpaceType::kPlanar; }
   void paint_landmarks(const MarkerScene& scene, visualization_msgs::MarkerArray* array);
+  void paint_beacons(const MarkerScene& scene, visualization_msgs::MarkerArray* array) const;
   void paint_robot(const MarkerScene& scene, visualization_msgs::MarkerArray* array) const;
   void paint_associations(const MarkerScene& scene, visualization_msgs::MarkerArray* array) const;
   void paint_path(const std::string& space, const std::vector<geometry_msgs::Point>& points, double width,

@@ -267,5 +267,26 @@ TEST(Trail, DropsTheOldestOfTooMany) {
   }
 }
 
+TEST(MarkerPainter, ShowsBeaconsAsCubesWithWhereTheyMayBe) {
+  MarkerScene scene;
+  scene.beacons.resize(1);
+  scene.beacons[0].id = 7;
+  scene.beacons[0].position_in_map = {1.0, 2.0, 3.0};
+  scene.beacons[0].covariance = 0.04 * Eigen::Matrix3d::Identity();
+  MarkerPainter painter("map", 3.0, SpaceType::kSpatial);
+  std::vector<Marker> cubes;
+  std::vector<Marker> spreads;
+  for (const Marker& marker : painter.paint(scene).markers) {
+    if (marker.ns == "beacons") cubes.push_back(marker);
+    if (marker.ns == "beacon_covariance") spreads.push_back(marker);
+  }
+  ASSERT_EQ(cubes.size(), 1U);
+  EXPECT_EQ(cubes[0].id, 7);
+  EXPECT_EQ(cubes[0].type, Marker::CUBE);
+  EXPECT_EQ(cubes[0].pose.position.z, 3.0);
+  ASSERT_EQ(spreads.size(), 1U);
+  EXPECT_NEAR(spreads[0].scale.x, 2.0 * 3.0 * 0.2, 1e-9);
+}
+
 }  // namespace
 }  // namespace kinect_ekf_slam
