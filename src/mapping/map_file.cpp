@@ -4,13 +4,13 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <set>
 
 #include "kinect_ekf_slam/core/atomic_file.h"
+#include "kinect_ekf_slam/core/compatibility.h"
 #include "kinect_ekf_slam/core/space.h"
 
 namespace kinect_ekf_slam {
@@ -27,9 +27,9 @@ constexpr std::uintmax_t kLargestFile = 1U << 30U;    // bytes; a larger one is 
 
 /// The shortest text that reads back as the same number.
 std::string exact(double value) {
-  char buffer[32];
-  const auto end = std::to_chars(buffer, buffer + sizeof(buffer), value);
-  return {buffer, end.ptr};
+  std::string text;
+  append_number(&text, value);
+  return text;
 }
 
 template <class Vector>

@@ -5,13 +5,15 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "kinect_ekf_slam/core/compatibility.h"
+
 namespace kinect_ekf_slam {
 namespace {
 
 constexpr int kSpare = 5;  // times as many candidates as are kept, so that every part of the picture has some
 
 cv::Ptr<cv::Feature2D> make_sift() {
-#if CV_VERSION_MAJOR > 4 || (CV_VERSION_MAJOR == 4 && CV_VERSION_MINOR >= 4)
+#if KINECT_EKF_SLAM_HAS_SIFT
   return cv::SIFT::create(0, 3, 0.02);
 #else
   throw std::invalid_argument("features/type sift: this OpenCV is older than 4.4 and has none");

@@ -292,6 +292,9 @@ void visit(Visitor& v, OutputOptions& o) {
   v.boolean("output/publish_tf", &o.publish_tf, "map -> odom");
   v.number("output/transform_tolerance", &o.transform_tolerance, 0.0, 10.0, "s",
            "how far ahead map -> odom is dated, so that consumers need not wait");
+  v.number("output/correction_time", &o.correction_time, 0.0, 60.0, "s",
+           "over which a correction of map -> odom is spread: 63 % after it, 95 % after three; 0: at once; "
+           "~pose is not delayed");
   v.number("output/marker_sigmas", &o.marker_sigmas, 0.1, 10.0, "sigma", "size of the ellipses in RViz");
   v.number("output/marker_rate", &o.marker_rate, 0.1, 100.0, "Hz", "of markers, map and path");
   v.number("output/path_step", &o.path_step, 0.0, 100.0, "m", "distance between poses of the path");

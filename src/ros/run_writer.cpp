@@ -3,7 +3,6 @@
 #include <ros/common.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <ctime>
 #include <filesystem>
@@ -13,6 +12,7 @@
 
 #include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/core/atomic_file.h"
+#include "kinect_ekf_slam/core/compatibility.h"
 
 namespace kinect_ekf_slam {
 namespace {
@@ -23,9 +23,7 @@ void append(std::string* text, double value, int digits = 9) {
     *text += "nan";
     return;
   }
-  char buffer[32];
-  const auto end = std::to_chars(buffer, buffer + sizeof(buffer), value, std::chars_format::general, digits);
-  text->append(buffer, end.ptr);
+  append_number(text, value, digits);
 }
 
 /// Seconds with all nine decimals.

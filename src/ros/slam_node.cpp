@@ -58,6 +58,7 @@ SlamNode::SlamNode(const ros::NodeHandle& handle, const ros::NodeHandle& private
       painter_(options.frames.map, options.output.marker_sigmas, options.pipeline.space),
       path_(options.output.path_step, static_cast<std::size_t>(options.output.path_length)),
       dead_reckoned_path_(options.output.path_step, static_cast<std::size_t>(options.output.path_length)),
+      correction_(options.output.correction_time),
       diagnostics_(handle_, private_handle_) {
   if (options_.map.load_at_start) {
     session_.load(
@@ -212,6 +213,7 @@ void SlamNode::on_initial_pose(const geometry_msgs::PoseWithCovarianceStamped::C
     if (!has_covariance || !(symmetric(axis, axis) > 0.0)) pose.covariance(axis, axis) = usual(axis);
   }
   session_.set_pose(pose);
+  correction_.jump();
   scene_changed_ = true;
   ROS_INFO("initialpose: the robot is at (%.2f, %.2f) m", pose.map_from_base.translation().x(),
            pose.map_from_base.translation().y());
@@ -291,7 +293,8 @@ void SlamNode::publish_transform(const Pose3d& pose, const geometry_msgs::Pose& 
   if (back >= 0.0 && back <= options_.sync.time_jump) return;
   last_transform_ = message.header.stamp;
   message.child_frame_id = options_.frames.odom;
-  message.transform = to_transform(pose.map_from_base * to_eigen(odom_from_base).inverse());
+  message.transform =
+      to_transform(correction_.follow(pose.map_from_base, to_eigen(odom_from_base), pose.stamp));
   broadcaster_.sendTransform(message);
 }
 
@@ -334,6 +337,7 @@ void SlamNode::forget_what_was_shown() {
   dead_reckoned_path_.clear();
   path_message_.poses.clear();
   last_outcomes_.clear();
+  correction_.jump();
   finite_ = true;
   is_aligned_ = false;
   health_.reset_estimate();

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <charconv>
 #include <functional>
 #include <string>
-#include <system_error>
 #include <vector>
+
+#include "kinect_ekf_slam/core/compatibility.h"
 
 namespace kinect_ekf_slam {
 
@@ -49,9 +49,7 @@ Number CommandLine::number(Number low, Number high, const std::string& allowed) 
   const std::string option = word();
   const std::string text = value();
   Number number{};
-  const auto end = std::from_chars(text.data(), text.data() + text.size(), number);
-  const bool whole = end.ec == std::errc() && end.ptr == text.data() + text.size();
-  if (!whole || !(number >= low && number <= high)) {
+  if (!read_number(text, &number) || !(number >= low && number <= high)) {
     fail(std::string(option).append(": '").append(text).append("' given, allowed: ").append(allowed));
   }
   return number;

@@ -56,6 +56,7 @@ struct MapOptions {
 struct OutputOptions {
   bool publish_tf = true;
   double transform_tolerance = 0.1;  ///< s that map -> odom is dated ahead
+  double correction_time = 0.0;      ///< s, time constant; 0: corrections of map -> odom are shown at once
   double marker_sigmas = 3.0;
   double marker_rate = 5.0;         ///< Hz
   double path_step = 0.05;          ///< m

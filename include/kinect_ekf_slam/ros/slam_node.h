@@ -18,6 +18,7 @@
 #include <memory>
 #include <string>
 
+#include "kinect_ekf_slam/ros/gradual_correction.h"
 #include "kinect_ekf_slam/ros/health.h"
 #include "kinect_ekf_slam/ros/markers.h"
 #include "kinect_ekf_slam/ros/slam_session.h"
@@ -76,6 +77,7 @@ class SlamNode {
   MarkerPainter painter_;
   Trail path_;
   Trail dead_reckoned_path_;
+  GradualCorrection correction_;
   nav_msgs::Path path_message_;
   std::vector<DetectionOutcome> last_outcomes_;
 
