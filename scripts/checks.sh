@@ -64,6 +64,7 @@ check clang_format format
 check catkin_lint lint
 check layers_know_no_ros no_ros_below
 check headers_stand_alone headers_stand_alone
+check docs scripts/build_docs.sh   # links, anchors, and what Doxygen warns of
 check readme_parameters scripts/update_readme.py --check
 if [ "${1:-}" != --quick ]; then
   seconds=300

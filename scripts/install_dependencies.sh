@@ -12,7 +12,7 @@ export PATH=/usr/bin:$PATH DEBIAN_FRONTEND=noninteractive
 
 packages=(
   # build tools
-  build-essential git cmake clang-format clang-tidy catkin catkin-lint
+  build-essential git cmake clang-format clang-tidy catkin catkin-lint doxygen graphviz
   # core
   libeigen3-dev libyaml-cpp-dev
   # perception

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes the pictures in docs/images again: those of scripts/demo.sh without a display, smaller, and those of the
-# consistency and robustness studies.
+# consistency and robustness studies, and of the architecture.
 #   scripts/update_images.sh
 set -euo pipefail
 case ${1:-} in
@@ -21,4 +21,5 @@ for study in consistency robustness; do
   build/devel/env.sh python3 "scripts/plot_$study.py" "runs/$study.json" "runs/$study.png"
   convert "runs/$study.png" -resize 1000x -strip -dither None -colors 200 "PNG8:docs/images/$study.png"
 done
+dot -Tpng -Gdpi=80 docs/images/architecture.dot -o docs/images/architecture.png   # Graphviz
 identify -format '%d/%f %wx%h %b\n' docs/images/*.png

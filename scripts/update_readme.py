@@ -4,8 +4,10 @@
   scripts/update_readme.py            the table of parameters
   scripts/update_readme.py --check    fails when that table is not what the programs say
   scripts/update_readme.py --figures  also runs the demo, the study, the real data, GPS withheld and the benchmark, and puts in their last output
+  scripts/update_readme.py --dates    when the figures were measured, into docs/results.md
 """
 import argparse
+import datetime
 import os
 import re
 import subprocess
@@ -13,6 +15,7 @@ import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
 README = os.path.join(ROOT, "README.md")
+RESULTS = os.path.join(ROOT, "docs", "results.md")
 ENVIRONMENT = os.path.join(ROOT, "build", "devel", "env.sh")
 
 
@@ -22,10 +25,48 @@ def output_of(*command):
 
 def put(text, name, content):
     """Replaces what stands between the marks `<!-- name -->` and `<!-- /name -->`."""
-    pattern = re.compile(rf"(<!-- {name} -->\n).*?(\n<!-- /{name} -->)", re.DOTALL)
+    pattern = re.compile(rf"(<!-- {name} -->\n)(?:.*?\n)?(<!-- /{name} -->)", re.DOTALL)
     if not pattern.search(text):
         sys.exit(f"update_readme.py: README.md has no marks <!-- {name} --> ... <!-- /{name} -->")
-    return pattern.sub(lambda match: match.group(1) + content + match.group(2), text)
+    return pattern.sub(lambda match: match.group(1) + content + "\n" + match.group(2), text)
+
+
+# What was measured: mark in README.md, how the figures are called, command, configuration.
+FIGURES = (
+    ("demo", "the demo", "`scripts/demo.sh`", "`bags/room.bag`, `config/slam.yaml`"),
+    ("real data", "recorded data by others", "`scripts/evaluate_real_data.py --estimators`",
+     "`config/mrclam.yaml`, `mrclam_unknown.yaml`, `turtlebot3.yaml`, `victoria_park.yaml`, `husky.yaml`"),
+    ("study", "the simulated room", "`slam_study room --seeds 100`", "`config/worlds/room.yaml`, `config/slam.yaml`"),
+    ("hard study", "the room on a bad day", "`slam_study room --world config/worlds/room_hard.yaml`", "`config/slam.yaml`"),
+    ("consistency", "whether the covariance tells the truth", "`slam_study consistency`", "the textbook's noise, 50 seeds"),
+    ("benchmark", "time and memory", "`scripts/benchmark.sh --quick --mrpt`", "8 landmarks in view, identities known"),
+)
+
+
+def last_changed(name):
+    """The newest date of the lines between the marks; lines that are not committed are of today."""
+    with open(README, encoding="utf-8") as file:
+        lines = file.read().split("\n")
+    first, last = lines.index(f"<!-- {name} -->") + 2, lines.index(f"<!-- /{name} -->")
+    blame = output_of("git", "blame", "--line-porcelain", "-L", f"{first},{last}", "README.md")
+    newest = max(map(int, re.findall(r"^committer-time (\d+)$", blame, re.MULTILINE)))
+    return datetime.date.fromtimestamp(newest).isoformat()
+
+
+def table_of_dates():
+    rows = [f"| {title} | {command} | {configuration} | {last_changed(name)} |" for name, title, command, configuration in FIGURES]
+    return "\n".join(["| what | command | configuration | figures last changed |", "|---|---|---|---|", *rows])
+
+
+def write(path, text):
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+
+
+def write_dates():
+    with open(RESULTS, encoding="utf-8") as file:
+        text = file.read()
+    write(RESULTS, put(text, "measured", table_of_dates()))
 
 
 def fenced(content):
@@ -56,7 +97,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="change nothing, fail when the table is out of date")
     parser.add_argument("--figures", action="store_true", help="also measure anew (minutes)")
+    parser.add_argument("--dates", action="store_true", help="tell in docs/results.md when the figures last changed")
     arguments = parser.parse_args()
+    if arguments.dates:
+        write_dates()
+        return
     with open(README, encoding="utf-8") as file:
         before = file.read()
     after = put(before, "parameters", output_of(ENVIRONMENT, "slam_replay", "--parameters"))
@@ -72,8 +117,9 @@ def main():
         if after != before:
             sys.exit("update_readme.py: README.md is not what slam_replay --parameters prints; run scripts/update_readme.py")
         return
-    with open(README, "w", encoding="utf-8") as file:
-        file.write(after)
+    write(README, after)
+    if arguments.figures:
+        write_dates()
 
 
 if __name__ == "__main__":

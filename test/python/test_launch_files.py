@@ -17,8 +17,12 @@ OTHER = os.path.join(ROOT, "launch", "record.launch")    # any launch file will 
 BAG = os.path.join(ROOT, "bags", "room.bag")
 WORLD = os.path.join(ROOT, "config", "worlds", "room_hard.yaml")
 
+# Packages that Debian lacks are stood in for.
+os.environ["ROS_PACKAGE_PATH"] = os.pathsep.join([os.path.join(ROOT, "test", "stand_ins"), os.environ["ROS_PACKAGE_PATH"]])
+
 # What is to be given, and every branch taken once.
 VARIANTS = {
+    "robot_localization.launch": [{}, {"global_filter": "true", "rviz": "true"}],
     "replay.launch": [{"bag": BAG}, {"bag": BAG, "rviz": "true", "loop": "true", "rate": "2.5", "exit": "true"}],
     "simulation.launch": [{}, {"rviz": "true", "drive": "cmd_vel", "world": WORLD}, {"pictures": "true"}],
     "slam.launch": [{}, {"rviz": "true", "mode": "localization", "map_dir": "/tmp/maps", "map_file": "a.yaml",
@@ -44,9 +48,10 @@ def loaded():
 class LaunchFiles(unittest.TestCase):
     def test_all_load_and_start_something(self):
         self.assertEqual({os.path.basename(path) for path in LAUNCH_FILES},
-                         {"detect_aruco.launch", "detect_features.launch", "detect_kinect_cylinder.launch",
-                          "detect_laser_cylinder.launch", "detect_stereo_features.launch", "record.launch", "replay.launch", "rviz.launch", "simulation.launch", "slam.launch",
-                          "turtlebot.launch"})
+                         {"convert_detections.launch", "detect_aruco.launch", "detect_features.launch",
+                          "detect_kinect_cylinder.launch", "detect_laser_cylinder.launch", "detect_stereo_features.launch",
+                          "navigation.launch", "record.launch", "replay.launch", "robot_localization.launch", "rviz.launch",
+                          "simulation.launch", "slam.launch", "turtlebot.launch"})
         for path, arguments, nodes, _ in loaded():
             with self.subTest(path=path, arguments=arguments):
                 self.assertTrue(nodes)

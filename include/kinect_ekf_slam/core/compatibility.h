@@ -18,7 +18,7 @@
 
 namespace kinect_ekf_slam {
 
-/// For a standard library whose <charconv> knows whole numbers only: g++'s before 11. Its numbers have a
+/// For a standard library whose `charconv` knows whole numbers only: g++'s before 11. Its numbers have a
 /// point in any country, as long as the program does not call setlocale, which none of ours does.
 namespace without_charconv {
 

@@ -34,8 +34,8 @@ class FiducialDetector {
   int dictionary_;
 };
 
-/// What is to be printed for an identity: a row of text for each row of modules, `#` black, `.` white, the
-/// black border with it. Throws std::invalid_argument for a dictionary or an identity that there is not.
+/// What is to be printed for an identity: a row of text for each row of modules, hashes black, dots white,
+/// the black border with it. Throws std::invalid_argument for a dictionary or an identity that there is not.
 std::vector<std::string> fiducial_pattern(const std::string& dictionary, int identity);
 
 }  // namespace kinect_ekf_slam
