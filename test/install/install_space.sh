@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the build into a folder of its own and uses it from there, as other people's packages and robots do.
-#   install_space.sh SOURCE BUILD      BUILD is built already; nothing outside a temporary folder is written
+#   install_space.sh SOURCE BUILD      BUILD is built already; its CMAKE_INSTALL_PREFIX is emptied first and must lie in it
 set -euo pipefail
 source=$1
 build=$2
@@ -8,7 +8,8 @@ export PATH=/usr/bin:$PATH
 unset CMAKE_PREFIX_PATH ROS_PACKAGE_PATH LD_LIBRARY_PATH PYTHONPATH PKG_CONFIG_PATH   # the build's environment is not to help
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-prefix=$work/prefix
+prefix=$(sed -n 's/^CMAKE_INSTALL_PREFIX:PATH=//p' "$build/CMakeCache.txt")
+case $prefix in "$build"/?*) rm -rf "$prefix" ;; *) echo "install_space: skipped, $prefix is not in $build"; exit 77 ;; esac
 say() { echo "install_space: $*"; }
 # expect WHAT PATTERN COMMAND...: the command succeeds and says the pattern
 expect() {
@@ -19,9 +20,9 @@ expect() {
   say "ok $what"
 }
 
-expect "install" "Installing|Up-to-date" cmake --install "$build" --prefix "$prefix"
-if grep -rIl "$build" "$prefix" | grep -v '\.pc$' | grep -q .; then
-  say "FAILED: installed files name the build folder:"; grep -rIl "$build" "$prefix"; exit 1
+expect "install" "Installing" cmake --install "$build"
+if grep -rl --exclude="*.pyc" -e "$build/devel" -e "$build/layers" -e "$source/include" -e "$source/src" "$prefix"; then
+  say "FAILED: these installed files lead back to the checkout or the build"; exit 1
 fi
 
 say "what is in the checkout and is to be installed"

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import xmlrpc.client
 
 import genpy.dynamic
 import numpy as np
@@ -14,7 +15,7 @@ import rospy
 import rostest
 import yaml
 from geometry_msgs.msg import Point, Pose, PoseArray, PoseStamped, PoseWithCovarianceStamped, Transform, Vector3
-from kinect_ekf_slam.msg import LandmarkMap
+from kinect_ekf_slam.msg import LandmarkDetectionArray, LandmarkMap
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
@@ -26,7 +27,7 @@ from node_process import ROOT, Recorder, executable  # noqa: E402
 from slam_case import SlamCase  # noqa: E402
 from waiting import DEADLINE, wait_until  # noqa: E402
 
-LONGEST = 120.0  # s of wall time, for a robot to drive some metres
+LONGEST = 60.0  # s of wall time, for a robot to drive some metres
 
 FIDUCIALS = """std_msgs/Header header
 int32 image_seq
@@ -161,9 +162,10 @@ class CorrectionTime(SlamCase):
         run.drive(1.0)
         run.drive(3.0, look=False)
         told, shown = [], []
-        for _ in range(20):
+        for look in [False, False] + 20 * [True]:
             run.scenario_pose = run.scenario.pose_in_odom
             step = run.scenario.step()
+            step.detections = step.detections if look else None
             run.send(step)
             told.append(run.pose_in_map()[:2])
             shown.append(self.shown_pose(run))
@@ -198,23 +200,32 @@ class Converter(SlamCase):
         publisher = rospy.Publisher(run.namespace + "/detections", kind, queue_size=10)
         self.addCleanup(publisher.unregister)
         wait_until(publisher.get_num_connections, "the converter listens")
-        wait_until(lambda: len(self.landmark_connections(run)) == 2, "slam_node hears the converter")
+        wait_until(lambda: run.process.name in self.listeners(run), "slam_node hears the converter")
         return run, publisher
 
     @staticmethod
-    def landmark_connections(run):
-        """Those who publish to slam_node's input: this test and the converter."""
-        state = rospy.get_master().getSystemState()[2][0]
-        return dict(state).get(run.namespace + "/landmarks", [])
+    def listeners(run):
+        """The nodes that are connected to the converter's output."""
+        try:
+            uri = rospy.get_master().lookupNode(run.namespace + "/convert_detections")[2]
+            connections = xmlrpc.client.ServerProxy(uri).getBusInfo(rospy.get_name())[2]
+        except OSError:
+            return []
+        return [connection[1] for connection in connections if connection[2] == "o" and connection[4].endswith("/landmarks")]
 
     def outcomes(self, run, publisher, convert):
         """What became of the detections of the third look."""
+        converted = Recorder(run.namespace + "/landmarks", LandmarkDetectionArray)
+        self.addCleanup(converted.close)
+        wait_until(lambda: converted.connections() == 2, "the converter is heard")
         for _ in range(5):
             step = run.scenario.step()
             detections, step.detections = step.detections, None
             if detections:
                 publisher.publish(convert(detections))
                 looked = step.stamp
+                wait_until(lambda: converted.last and scenario.to_ns(converted.last.header.stamp) == looked,
+                           "the detections were converted")
             run.send(step)
         run.drive(0.2, look=False)
         return run.wait_for_associations(looked).associations
