@@ -36,8 +36,8 @@ lint() { catkin_lint -W2 --strict --ignore package_path_name --ignore uninstalle
 # The core has no ROS, no OpenCV, no Ceres; the build itself keeps the folders in their order.
 no_ros_below() {
   ! grep -nE '#include *[<"](ros/|tf2|rosbag|message_filters|opencv2|ceres/|[a-z_]+_msgs/|kinect_ekf_slam/[A-Z])' -r \
-    include/kinect_ekf_slam/{core,models,association,estimators,mapping,pipeline,simulation,study} \
-    src/{core,models,association,estimators,mapping,pipeline,simulation,study}
+    include/kinect_ekf_slam/{core,models,association,estimators,mapping,fusion,pipeline,simulation,study} \
+    src/{core,models,association,estimators,mapping,fusion,pipeline,simulation,study}
 }
 
 headers_stand_alone() {
