@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes the pictures in docs/images again: those of scripts/demo.sh without a display, smaller, and those of the
-# consistency and robustness studies, and of the architecture.
+# consistency, global and robustness studies, and of the architecture.
 #   scripts/update_images.sh
 set -euo pipefail
 case ${1:-} in
@@ -16,7 +16,7 @@ scripts/demo.sh
 for name in rviz evaluation; do
   convert "runs/demo/$name.png" -resize 1000x -strip -dither None -colors 200 "PNG8:docs/images/$name.png"
 done
-for study in consistency robustness; do
+for study in consistency global robustness; do
   build/devel/env.sh slam_study "$study" --json "runs/$study.json"
   build/devel/env.sh python3 "scripts/plot_$study.py" "runs/$study.json" "runs/$study.png"
   convert "runs/$study.png" -resize 1000x -strip -dither None -colors 200 "PNG8:docs/images/$study.png"

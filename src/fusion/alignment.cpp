@@ -123,7 +123,7 @@ class Solver {
       const double weight = 1.0 / pairs_.in_global[k].covariance.trace();
       moments += weight * (pairs_.in_global[k].mean - global_mean) * (place(k) - local_mean).transpose();
     }
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(moments, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::JacobiSVD<typename Space::PointMatrix> svd(moments, Eigen::ComputeFullU | Eigen::ComputeFullV);
     Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
     Eigen::MatrixXd proper = Eigen::MatrixXd::Identity(kDim, kDim);  // a rotation, no reflection
     proper(kDim - 1, kDim - 1) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
@@ -131,12 +131,8 @@ class Solver {
     return Space::pose_from_3d(turn);
   }
 
-  /// d(T q)/d(error of T): a shift, and a turn about the transform's own place.
   typename Space::PointByPose by_transform(std::size_t pair) const {
-    typename Space::PointByPose jacobian;
-    const Point arm = transform_ * place(pair) - transform_.translation();
-    jacobian << Space::PointMatrix::Identity(), Space::by_turn(arm);
-    return jacobian;
+    return point_by_error<Space>(transform_, transform_ * place(pair));
   }
 
   Eigen::MatrixXd by_points(std::size_t pair) const {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "kinect_ekf_slam/core/chi_square.h"
-#include "kinect_ekf_slam/fusion/pose_parts.h"
+#include "kinect_ekf_slam/estimators/pose_parts.h"
 #include "kinect_ekf_slam/models/pose_measurement.h"
 
 namespace kinect_ekf_slam {

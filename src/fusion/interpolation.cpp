@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "kinect_ekf_slam/fusion/pose_parts.h"
+#include "kinect_ekf_slam/estimators/pose_parts.h"
 
 namespace kinect_ekf_slam {
 

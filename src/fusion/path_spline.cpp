@@ -33,13 +33,15 @@ PathSpline<Dim>::PathSpline(std::vector<TimeNs> stamps, const std::vector<Point>
   Eigen::Array<double, 1, Eigen::Dynamic> parameters(count);
   for (Eigen::Index i = 0; i < count; ++i) parameters(i) = parameter(stamps_[static_cast<std::size_t>(i)]);
   if (degree_ > 0) Eigen::KnotAveraging(parameters, degree_, knots_);
-  collocation_.resize(count, count);
+  std::vector<Eigen::Triplet<double>> entries;
   for (Eigen::Index k = 0; k < count; ++k) {
-    for (Eigen::SparseVector<double>::InnerIterator N(basis(stamps_[static_cast<std::size_t>(k)])); N; ++N) {
-      collocation_.insert(k, N.index()) = N.value();
+    const Eigen::SparseVector<double> N = basis(stamps_[static_cast<std::size_t>(k)]);
+    for (Eigen::SparseVector<double>::InnerIterator i(N); i; ++i) {
+      entries.emplace_back(static_cast<int>(k), static_cast<int>(i.index()), i.value());
     }
   }
-  collocation_.makeCompressed();
+  collocation_.resize(count, count);
+  collocation_.setFromTriplets(entries.begin(), entries.end());
   Eigen::MatrixXd rows(count, Dim);
   for (Eigen::Index i = 0; i < count; ++i) rows.row(i) = points[static_cast<std::size_t>(i)].transpose();
   control_points_ = solve(collocation_, rows).transpose();

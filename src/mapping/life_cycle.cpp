@@ -8,6 +8,7 @@
 #include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/core/chi_square.h"
 #include "kinect_ekf_slam/core/position.h"
+#include "kinect_ekf_slam/mapping/local_map.h"
 
 namespace kinect_ekf_slam {
 namespace {
@@ -202,6 +203,7 @@ void LifeCycle<Space>::merge_duplicates(KalmanSlam<Space>* filter, UpdateReport*
       const double distance = (landmarks[i].position_in_map - landmarks[j].position_in_map).norm();
       const bool has_beacon = is_beacon(landmarks[i].info.id) || is_beacon(landmarks[j].info.id);
       if (distance > options_.merge_distance || has_beacon) continue;
+      if (is_path_point(landmarks[i].info) || is_path_point(landmarks[j].info)) continue;
       const bool keep_first = landmarks[i].info.observations >= landmarks[j].info.observations;
       pairs.push_back({distance, keep_first ? i : j, keep_first ? j : i});
     }

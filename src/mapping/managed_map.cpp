@@ -17,6 +17,15 @@ UpdateReport ManagedMap<Space>::apply(TimeNs stamp, const Observations& observat
   return report;
 }
 
+/// A landmark where the robot is, which is not the life cycle's business.
+template <class Space>
+void ManagedMap<Space>::keep_position(TimeNs stamp, int id) {
+  Observation<Space> here;
+  constexpr double kExact = 1e-12;  // m^2
+  here.covariance.diagonal().setConstant(kExact);
+  filter_->apply(stamp, {here}, {Assignment{Verdict::kCreated, id}});
+}
+
 template <class Space>
 void ManagedMap<Space>::keep(TimeNs stamp, const Observations& observations, UpdateReport* report) {
   if (!map_fixed_) life_cycle_.keep(stamp, observations, filter_.get(), report);

@@ -15,6 +15,7 @@
 #include "kinect_ekf_slam/ros/picture_detector.h"
 #include "kinect_ekf_slam/simulation/world.h"
 #include "kinect_ekf_slam/study/consistency_study.h"
+#include "kinect_ekf_slam/study/global_study.h"
 #include "kinect_ekf_slam/study/kidnapped_study.h"
 #include "kinect_ekf_slam/study/patrol_study.h"
 #include "kinect_ekf_slam/study/robustness_study.h"
@@ -31,6 +32,7 @@ constexpr const char* kUsage =
     "       slam_study patrol [--minutes N] (as room, without --seeds, --first-seed and --json)\n"
     "       slam_study consistency [--space planar|spatial] [--sensor kinect|far] [--seeds N] [--loops N]\n"
     "                       [--json FILE]\n"
+    "       slam_study global [--seeds N] [--json FILE]\n"
     "\n"
     "room: simulates one world with many seeds, runs each through the SLAM pipeline in memory, and\n"
     "compares with the truth.\n"
@@ -54,8 +56,11 @@ constexpr const char* kUsage =
     "  --space                 default: planar\n"
     "  --sensor                kinect: 0.6 to 2.6 m, far: up to 5 m, both 57 degrees wide; default: kinect\n"
     "  --loops N               default: 10\n"
+    "global: a robot that dives sees landmarks on parts of its way and hears buoys now and then: local "
+    "maps,\n"
+    "made one globally consistent map, beside what each sensor makes of it alone.\n"
     "All:\n"
-    "  --seeds N               how many, each a run; default: 100, chain: 20, consistency: 50\n"
+    "  --seeds N               how many, each a run; default: 100, chain: 20, consistency and global: 50\n"
     "  --json FILE             write the figures, also those of each seed or time, there\n"
     "Exit: 0 done, 2 the input cannot be used (one line says why).\n";
 
@@ -266,6 +271,26 @@ void study_consistency(CommandLine* words) {
   write(json, kinect_ekf_slam::to_json(results));
 }
 
+void study_global(CommandLine* words) {
+  kinect_ekf_slam::GlobalStudy study;
+  std::string json;
+  while (words->next()) {
+    if (words->word() == "--seeds") {
+      study.seeds = seed_count(words);
+    } else if (words->word() == "--json") {
+      json = output_file(words);
+    } else {
+      words->fail_at_word("unknown option of global");
+    }
+  }
+  study.on_progress = kinect_ekf_slam::progress_bar();
+  kinect_ekf_slam::GlobalExample example;
+  const kinect_ekf_slam::GlobalSummary summary = kinect_ekf_slam::run_study(study, &example);
+  kinect_ekf_slam::clear_progress_bar();
+  std::fputs(kinect_ekf_slam::to_table(summary).c_str(), stdout);
+  write(json, kinect_ekf_slam::to_json(summary, example));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -274,11 +299,13 @@ int main(int argc, char** argv) {
     const std::string study = words.next() ? words.word() : "";
     const std::map<std::string, void (*)(CommandLine*)> studies = {
         {"room", study_room},           {"chain", study_chain},   {"robustness", study_robustness},
-        {"kidnapped", study_kidnapped}, {"patrol", study_patrol}, {"consistency", study_consistency}};
+        {"kidnapped", study_kidnapped}, {"patrol", study_patrol}, {"consistency", study_consistency},
+        {"global", study_global}};
     const auto chosen = studies.find(study);
     if (chosen == studies.end()) {
-      words.fail("'" + study +
-                 "' given, allowed: room, chain, robustness, kidnapped, patrol, consistency; see --help");
+      words.fail(
+          "'" + study +
+          "' given, allowed: room, chain, robustness, kidnapped, patrol, consistency, global; see --help");
     }
     chosen->second(&words);
   } catch (const std::exception& error) {

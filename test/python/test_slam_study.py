@@ -29,7 +29,7 @@ class SlamStudy(unittest.TestCase):
 
     def test_refuses_a_place_that_it_cannot_write_to_before_the_run(self):
         """A million runs would take longer than the time that is given."""
-        for study in ("room", "chain", "robustness", "consistency"):
+        for study in ("room", "chain", "robustness", "consistency", "global"):
             for path, expected in (("none/figures.json", "none/figures.json: cannot be created: No such file"),
                                    (".", "cannot be written: Is a directory"), ("", "empty name")):
                 process = run_study(self.folder, study, "--seeds", "1000000", "--json", path)

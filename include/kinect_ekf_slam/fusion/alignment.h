@@ -8,7 +8,7 @@
 #include "kinect_ekf_slam/core/space.h"
 #include "kinect_ekf_slam/estimators/gaussian.h"
 #include "kinect_ekf_slam/estimators/pose_estimate.h"
-#include "kinect_ekf_slam/fusion/pose_parts.h"
+#include "kinect_ekf_slam/estimators/pose_parts.h"
 
 namespace kinect_ekf_slam {
 
@@ -67,7 +67,7 @@ struct AlignmentResult {
 };
 
 /// The rigid transform (no scale) that brings the local places to the global ones, with its covariance
-/// (docs/theory.md, section 14). It starts from the weighted closed form (Umeyama 1991), and ends in the
+/// (docs/theory.md, section 13). It starts from the weighted closed form (Umeyama 1991), and ends in the
 /// generalised least squares over transform and points, in which the noise of both sides and all correlations
 /// count. A pair that does not overlap with what the others say is left out and told. Refused, with the
 /// reason: fewer than two pairs (three in space), or places so near to one line that the turn about some axis

@@ -22,7 +22,7 @@ struct BeaconLocalizationOptions {
 
 /// Where something is that knows nothing but its distances to beacons: the source's buoy system. An extended
 /// Kalman filter of position and velocity; what moves it is unknown, so the velocity is taken to be nearly
-/// constant. (docs/theory.md, section 14. With odometry and a heading it is the SLAM filter without
+/// constant. (docs/theory.md, section 13. With odometry and a heading it is the SLAM filter without
 /// landmarks.)
 template <class Space>
 class BeaconLocalization {

@@ -28,7 +28,9 @@ struct Combination {
 /// P_c is singular.
 template <int Dim>
 Combination<Dim> combine(const Gaussian<Dim>& first, const Gaussian<Dim>& second, double gate_probability) {
-  Combination<Dim> result{first, second};
+  Combination<Dim> result;
+  result.first = first;
+  result.second = second;
   Gaussian<Dim> fused = first;
   const typename Gaussian<Dim>::Vector innovation = second.mean - first.mean;
   const auto fit =

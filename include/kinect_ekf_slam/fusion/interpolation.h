@@ -3,18 +3,12 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "kinect_ekf_slam/core/stamped.h"
 #include "kinect_ekf_slam/core/time.h"
 #include "kinect_ekf_slam/estimators/gaussian.h"
 #include "kinect_ekf_slam/estimators/pose_estimate.h"
 
 namespace kinect_ekf_slam {
-
-/// What was known of something at one time.
-template <class Value>
-struct Stamped {
-  TimeNs stamp = 0;
-  Value value;
-};
 
 /// Lagrange's weights xi_i of samples taken at `samples`, for the time `stamp`, equation (12.1). They sum to
 /// one; two samples give the straight line, three the parabola. Throws std::invalid_argument when there is no

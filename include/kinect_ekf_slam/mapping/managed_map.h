@@ -39,6 +39,9 @@ class ManagedMap : public SlamEstimator<Space> {
   }
   UpdateReport apply(TimeNs stamp, const Observations& observations, std::vector<Assignment> assignments);
 
+  /// Keeps the robot's position in the state, with its correlations, under an id that no landmark has.
+  void keep_position(TimeNs stamp, int id);
+
   PoseEstimate<Space> pose() const override { return filter_->pose(); }
   std::vector<LandmarkEstimate<Space>> landmarks() const override { return filter_->landmarks(); }
   /// Without what is provisional.

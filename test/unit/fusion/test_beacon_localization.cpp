@@ -51,11 +51,10 @@ class BeaconLocalizationIn : public ::testing::Test {
 TYPED_TEST_SUITE(BeaconLocalizationIn, testing::Spaces, testing::SpaceNames);
 
 TYPED_TEST(BeaconLocalizationIn, FindsThePlaceFromExactRanges) {
-  using Test = TestFixture;
   const auto place = TypeParam::from_3d(Eigen::Vector3d(12.0, 17.0, 2.0));
-  BeaconLocalization<TypeParam> robot(Test::beacons(), {}, 0,
-                                      Test::near(place + TypeParam::Point::Constant(2.0), 3.0));
-  const auto report = robot.update(0, Test::ranges_from(place, 0.3, nullptr));
+  BeaconLocalization<TypeParam> robot(TestFixture::beacons(), {}, 0,
+                                      TestFixture::near(place + TypeParam::Point::Constant(2.0), 3.0));
+  const auto report = robot.update(0, TestFixture::ranges_from(place, 0.3, nullptr));
   ASSERT_TRUE(report.fix);
   EXPECT_TRUE(MatrixNear(report.fix->mean, place, 1e-6));
   EXPECT_EQ(report.refused + report.unknown, 0);
@@ -63,15 +62,14 @@ TYPED_TEST(BeaconLocalizationIn, FindsThePlaceFromExactRanges) {
 
 /// Closed form: the covariance of a fix is (sum u u^T / sigma^2)^-1, u the directions to the beacons.
 TYPED_TEST(BeaconLocalizationIn, KnowsHowSureAFixIs) {
-  using Test = TestFixture;
   const auto place = TypeParam::from_3d(Eigen::Vector3d(12.0, 17.0, 2.0));
   typename TypeParam::PointMatrix information = TypeParam::PointMatrix::Zero();
-  for (const auto& [id, beacon] : Test::beacons()) {
+  for (const auto& [id, beacon] : TestFixture::beacons()) {
     const typename TypeParam::Point direction = (beacon.mean - place).normalized();
     information += direction * direction.transpose() / (0.3 * 0.3 + 1e-6);
   }
-  BeaconLocalization<TypeParam> robot(Test::beacons(), {}, 0, Test::near(place, 1.0));
-  const auto report = robot.update(0, Test::ranges_from(place, 0.3, nullptr));
+  BeaconLocalization<TypeParam> robot(TestFixture::beacons(), {}, 0, TestFixture::near(place, 1.0));
+  const auto report = robot.update(0, TestFixture::ranges_from(place, 0.3, nullptr));
   ASSERT_TRUE(report.fix);
   EXPECT_TRUE(MatrixNear(report.fix->covariance, information.inverse(), 1e-6));
 }
@@ -80,7 +78,6 @@ TYPED_TEST(BeaconLocalizationIn, KnowsHowSureAFixIs) {
 /// independent.
 TYPED_TEST(BeaconLocalizationIn, KnowsItsErrors) {
   using Space = TypeParam;
-  using Test = TestFixture;
   constexpr int kRuns = 200;
   constexpr double kSigma = 0.3;
   BeaconLocalizationOptions options;
@@ -92,17 +89,18 @@ TYPED_TEST(BeaconLocalizationIn, KnowsItsErrors) {
     RandomStream random(run, 0);
     const auto normal = [&] { return random.normal(); };
     typename Space::Point place = Space::from_3d(Eigen::Vector3d(15.0, 15.0, 0.0));
-    typename Space::Point velocity = Test::random_point(normal);
-    const typename Space::Point start = place + Test::random_point(normal);
-    BeaconLocalization<Space> robot(Test::beacons(), options, 0, Test::near(start, 1.0));
+    typename Space::Point velocity = 0.3 * TestFixture::random_point(normal);
+    const typename Space::Point start = place + TestFixture::random_point(normal);
+    BeaconLocalization<Space> robot(TestFixture::beacons(), options, 0, TestFixture::near(start, 1.0));
     typename Space::Point last = Space::Point::Zero();
     for (int step = 1; step <= 20; ++step) {
       const int kParts = 20;
       for (int part = 0; part < kParts; ++part) {  // a white acceleration
-        velocity += options.acceleration_noise * std::sqrt(1.0 / kParts) * Test::random_point(normal);
+        velocity += options.acceleration_noise * std::sqrt(1.0 / kParts) * TestFixture::random_point(normal);
         place += velocity / kParts;
       }
-      const auto report = robot.update(to_nanoseconds(step), Test::ranges_from(place, kSigma, &random));
+      const auto report =
+          robot.update(to_nanoseconds(step), TestFixture::ranges_from(place, kSigma, &random));
       ASSERT_TRUE(report.fix);
       const typename Space::Point error = report.fix->mean - place;
       const auto root = report.fix->covariance.llt();
@@ -123,10 +121,9 @@ TYPED_TEST(BeaconLocalizationIn, KnowsItsErrors) {
 }
 
 TYPED_TEST(BeaconLocalizationIn, RefusesARangeThatCannotBeAndCountsUnknownBeacons) {
-  using Test = TestFixture;
   const auto place = TypeParam::from_3d(Eigen::Vector3d(12.0, 17.0, 2.0));
-  BeaconLocalization<TypeParam> robot(Test::beacons(), {}, 0, Test::near(place, 0.5));
-  auto ranges = Test::ranges_from(place, 0.3, nullptr);
+  BeaconLocalization<TypeParam> robot(TestFixture::beacons(), {}, 0, TestFixture::near(place, 0.5));
+  auto ranges = TestFixture::ranges_from(place, 0.3, nullptr);
   ranges[2].range += 30.0;
   ranges.push_back({99, 5.0, 0.1});
   const auto report = robot.update(0, ranges);
@@ -138,10 +135,9 @@ TYPED_TEST(BeaconLocalizationIn, RefusesARangeThatCannotBeAndCountsUnknownBeacon
 }
 
 TYPED_TEST(BeaconLocalizationIn, TooFewBeaconsGiveNoFixButStillHelpTheFilter) {
-  using Test = TestFixture;
   const auto place = TypeParam::from_3d(Eigen::Vector3d(12.0, 17.0, 2.0));
-  BeaconLocalization<TypeParam> robot(Test::beacons(), {}, 0, Test::near(place, 2.0));
-  auto ranges = Test::ranges_from(place, 0.3, nullptr);
+  BeaconLocalization<TypeParam> robot(TestFixture::beacons(), {}, 0, TestFixture::near(place, 2.0));
+  auto ranges = TestFixture::ranges_from(place, 0.3, nullptr);
   ranges.resize(1);
   const double before = robot.position().covariance.trace();
   EXPECT_FALSE(robot.update(0, ranges).fix);

@@ -7,7 +7,7 @@
 
 #include "kinect_ekf_slam/core/chi_square.h"
 #include "kinect_ekf_slam/core/random_stream.h"
-#include "kinect_ekf_slam/fusion/pose_parts.h"
+#include "kinect_ekf_slam/estimators/pose_parts.h"
 #include "test/support/matchers.h"
 #include "test/support/spaces.h"
 

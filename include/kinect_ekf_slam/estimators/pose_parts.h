@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "kinect_ekf_slam/core/space.h"
+#include "kinect_ekf_slam/estimators/pose_estimate.h"
 
 namespace kinect_ekf_slam {
 
@@ -75,6 +76,40 @@ typename Space::Pose moved_by_error(const typename Space::Pose& pose,
   return pose_from_parts<Space>(
       pose.translation() + error.template head<Space::kPointDim>(),
       turn_exp<Space>(error.template tail<Space::kTurnDim>()) * turn_of<Space>(pose));
+}
+
+/// d(X p)/d(error of X): a shift, and a turn about X's own place. `moved_point` is X p.
+template <class Space>
+typename Space::PointByPose point_by_error(const typename Space::Pose& transform,
+                                           const typename Space::Point& moved_point) {
+  typename Space::PointByPose jacobian;
+  jacobian << Space::PointMatrix::Identity(),
+      Space::by_turn(typename Space::Point(moved_point - transform.translation()));
+  return jacobian;
+}
+
+/// How the error of a product of two poses depends on those of its factors, each in the axes of its own map.
+template <class Space>
+struct ProductJacobian {
+  typename Space::PoseMatrix by_left = Space::PoseMatrix::Identity();
+  typename Space::PoseMatrix by_right = Space::PoseMatrix::Zero();
+
+  ProductJacobian(const typename Space::Pose& left, const typename Space::Pose& right) {
+    constexpr int kPoints = Space::kPointDim;
+    constexpr int kTurns = Space::kTurnDim;
+    by_left.template topRows<kPoints>() = point_by_error<Space>(left, left * right.translation());
+    by_right.template topLeftCorner<kPoints, kPoints>() = left.rotation();
+    by_right.template bottomRightCorner<kTurns, kTurns>() = turn_axes<Space>(left);
+  }
+};
+
+/// The product of two poses whose errors are independent.
+template <class Space>
+PoseEstimate<Space> product(const PoseEstimate<Space>& left, const PoseEstimate<Space>& right) {
+  const ProductJacobian<Space> J(left.map_from_base, right.map_from_base);
+  const typename Space::PoseMatrix covariance = J.by_left * left.covariance * J.by_left.transpose() +
+                                                J.by_right * right.covariance * J.by_right.transpose();
+  return {left.map_from_base * right.map_from_base, covariance.template selfadjointView<Eigen::Lower>()};
 }
 
 }  // namespace kinect_ekf_slam

@@ -1,0 +1,324 @@
+#include "kinect_ekf_slam/fusion/global_map.h"
+
+#include <algorithm>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+#include "kinect_ekf_slam/core/chi_square.h"
+#include "kinect_ekf_slam/fusion/map_matching.h"
+#include "kinect_ekf_slam/fusion/path_spline.h"
+#include "kinect_ekf_slam/mapping/state_algebra.h"
+
+namespace kinect_ekf_slam {
+namespace {
+
+template <class Space>
+using Points = std::vector<typename Space::Point>;
+
+template <class Space>
+Points<Space> points_at(const SlamState<Space>& state, const std::vector<int>& indices) {
+  Points<Space> points;
+  for (const int i : indices) {
+    points.push_back(state.landmarks_in_map.template segment<Space::kPointDim>(Space::kPointDim * i));
+  }
+  return points;
+}
+
+/// Where each local pose was, at the times of the path points.
+template <class Space>
+Points<Space> positions_then(const LocalMap<Space>& map) {
+  Points<Space> positions;
+  auto pose = map.poses.begin();
+  for (const TimeNs stamp : map.path_stamps) {
+    while (pose->stamp < stamp) ++pose;
+    positions.push_back(pose->value.map_from_base.translation());
+  }
+  return positions;
+}
+
+/// A local map, or several joined, and where its frame lies.
+template <class Space>
+struct PlacedMap {
+  LocalMap<Space> map;
+  GlobalSegment<Space> segment;
+  SlamState<Space>
+      aligned;  ///< the map's state, bent by the global positions; its pose is the place of the frame
+  bool is_placed() const { return segment.refusal.empty(); }
+};
+
+/// Maps in the global frame whose landmarks have been found to be the same: their errors depend on each
+/// other.
+template <class Space>
+struct Cluster {
+  SlamState<Space> state;  ///< its pose means nothing
+  std::vector<int> segment_of_point;
+  std::vector<bool> dropped;  ///< points that are others
+};
+
+template <class Space>
+class MapIntegration {
+ public:
+  static constexpr int kDim = Space::kPointDim;
+  using Positions = std::vector<Stamped<Gaussian<kDim>>>;
+
+  MapIntegration(const Positions& positions, const GlobalMapOptions& options)
+      : positions_(positions),
+        options_(options),
+        merge_gate_(chi_square_quantile(options.merge_probability, kDim)) {
+    AssociationOptions association = options.association;
+    if (association.type == AssociationOptions::Type::kMultiHypothesis) {
+      association.type = AssociationOptions::Type::kJointCompatibility;
+    }
+    associator_ = make_associator<Space>(association);
+  }
+
+  /// Algorithm 3, lines 17 to 22.
+  GlobalMap<Space> integrate(const std::vector<LocalMap<Space>>& maps) {
+    GlobalMap<Space> global;
+    std::vector<PlacedMap<Space>> placed = place_all(maps);
+    std::vector<Cluster<Space>> clusters;
+    for (std::size_t k = 0; k < placed.size(); ++k) {
+      if (placed[k].is_placed()) add_to(&clusters, placed[k], static_cast<int>(k));
+    }
+    for (const Cluster<Space>& cluster : clusters) tell_landmarks(cluster, &global);
+    for (std::size_t k = 0; k < placed.size(); ++k) {
+      if (placed[k].is_placed()) tell_path(clusters, static_cast<int>(k), &placed[k]);
+      global.segments.push_back(std::move(placed[k].segment));
+    }
+    global.merged_landmarks = merged_;
+    return global;
+  }
+
+ private:
+  /// One that cannot be placed waits for the next one; the last one goes with the one before.
+  std::vector<PlacedMap<Space>> place_all(const std::vector<LocalMap<Space>>& maps) {
+    std::vector<PlacedMap<Space>> placed;
+    for (std::size_t k = 0; k < maps.size(); ++k) {
+      const int number = static_cast<int>(k);
+      const bool joins = !placed.empty() && !placed.back().is_placed() && placed.back().map.leads_to_next;
+      if (joins) {
+        placed.back().map = joined(placed.back().map, maps[k]);
+        placed.back().segment.last_map = number;
+      } else {
+        placed.push_back({maps[k], {}, {}});
+        placed.back().segment.first_map = placed.back().segment.last_map = number;
+      }
+      place(&placed.back());
+    }
+    if (placed.size() > 1 && !placed.back().is_placed() && placed[placed.size() - 2].map.leads_to_next) {
+      const PlacedMap<Space> last = std::move(placed.back());
+      placed.pop_back();
+      placed.back().map = joined(placed.back().map, last.map);
+      placed.back().segment.last_map = last.segment.last_map;
+      place(&placed.back());
+    }
+    return placed;
+  }
+
+  /// The second map's frame is the pose at which the first one ends: what follows is the path from there.
+  LocalMap<Space> joined(const LocalMap<Space>& first, const LocalMap<Space>& second) {
+    const auto pairs = common_landmarks<Space>(first.state, second.state, *associator_);
+    const auto offset = static_cast<int>(first.state.infos.size());
+    LocalMap<Space> both = first;
+    both.state = joined_states<Space>(first.state, second.state);
+    std::vector<bool> dropped(both.state.infos.size(), false);
+    dropped[static_cast<std::size_t>(offset + second.path_points().front())] = true;  // the first one's last
+    for (const auto& [old_point, new_point] : pairs) {
+      if (!merge_points<Space>(old_point, offset + new_point, merge_gate_, &both.state)) continue;
+      dropped[static_cast<std::size_t>(offset + new_point)] = true;
+      ++merged_;
+    }
+    std::vector<int> kept;
+    for (std::size_t i = 0; i < dropped.size(); ++i) {
+      if (!dropped[i]) kept.push_back(static_cast<int>(i));
+    }
+    both.state = with_points<Space>(both.state, kept);
+    both.end = second.end;
+    both.leads_to_next = second.leads_to_next;
+    both.path_stamps.insert(both.path_stamps.end(), second.path_stamps.begin() + 1, second.path_stamps.end());
+    for (const auto& pose : second.poses) {
+      if (pose.stamp <= first.poses.back().stamp) continue;
+      both.poses.push_back({pose.stamp, product<Space>(first.poses.back().value, pose.value)});
+    }
+    return both;
+  }
+
+  /// Finds the global positions of its time, and from them where the map's frame lies and how its path bends.
+  void place(PlacedMap<Space>* placed) const {
+    const LocalMap<Space>& map = placed->map;
+    GlobalSegment<Space>& segment = placed->segment;
+    segment.start = map.start;
+    segment.end = map.end;
+    AlignmentPairs<Space> pairs;
+    std::vector<TimeNs> stamps;
+    for (const auto& position : positions_) {
+      if (position.stamp < map.start || position.stamp >= map.end) continue;
+      stamps.push_back(position.stamp);
+      pairs.in_global.push_back(position.value);
+    }
+    segment.positions = stamps.size();
+    const std::vector<int> path = map.path_points();
+    const PathSpline<kDim> spline(map.path_stamps, points_at(map.state, path));
+    const Eigen::MatrixXd weights = spline.weights(stamps);
+    pairs.weights.setZero(weights.rows(), static_cast<Eigen::Index>(map.state.infos.size()));
+    for (std::size_t j = 0; j < path.size(); ++j)
+      pairs.weights.col(path[j]) = weights.col(static_cast<Eigen::Index>(j));
+    pairs.local_points = map.state.landmarks_in_map;
+    const Eigen::Index size = pairs.local_points.size();
+    pairs.local_covariance = map.state.covariance.bottomRightCorner(size, size);
+
+    AlignmentResult<Space> result = align_frames<Space>(pairs, options_.alignment);
+    segment.refusal = result.refusal;
+    if (!result.alignment) return;
+    segment.global_from_local = result.alignment->global_from_local;
+    segment.disagreements.clear();
+    for (const Disagreement<Space>& disagreement : result.alignment->disagreements) {
+      segment.disagreements.push_back({stamps[disagreement.pair], disagreement});
+    }
+    placed->aligned = {segment.global_from_local.map_from_base, map.state.infos,
+                       std::move(result.alignment->local_points), std::move(result.alignment->covariance)};
+  }
+
+  /// Adds one map. Clusters that have a landmark of it become one with it.
+  void add_to(std::vector<Cluster<Space>>* clusters, const PlacedMap<Space>& placed, int number) {
+    const SlamState<Space>& local = placed.aligned;
+    Cluster<Space> added;
+    added.state = moved_by_pose<Space>(local);
+    added.segment_of_point.assign(local.infos.size(), number);
+    added.dropped.assign(local.infos.size(), false);
+    int offset = 0;  // of the map's own points
+    std::vector<Cluster<Space>> others;
+    for (Cluster<Space>& cluster : *clusters) {
+      const auto pairs = common_with(cluster, local);
+      if (pairs.empty()) {
+        others.push_back(std::move(cluster));
+        continue;
+      }
+      const int cluster_size = static_cast<int>(cluster.state.infos.size());
+      cluster.state = side_by_side<Space>(cluster.state, added.state);
+      const auto append = [](const auto& more, auto* list) {
+        list->insert(list->end(), more.begin(), more.end());
+      };
+      append(added.segment_of_point, &cluster.segment_of_point);
+      append(added.dropped, &cluster.dropped);
+      added = std::move(cluster);
+      offset += cluster_size;
+      for (const auto& [old_point, own_point] : pairs) {
+        if (!merge_points<Space>(offset + own_point, old_point, merge_gate_, &added.state)) continue;
+        added.dropped[static_cast<std::size_t>(old_point)] = true;
+        ++merged_;
+      }
+    }
+    others.push_back(std::move(added));
+    *clusters = std::move(others);
+  }
+
+  /// The cluster's landmarks that the map has too, by their indices in both.
+  std::vector<std::pair<int, int>> common_with(const Cluster<Space>& cluster,
+                                               const SlamState<Space>& local) const {
+    std::vector<int> landmarks;
+    for (std::size_t i = 0; i < cluster.state.infos.size(); ++i) {
+      if (!cluster.dropped[i] && !is_path_point(cluster.state.infos[i]))
+        landmarks.push_back(static_cast<int>(i));
+    }
+    SlamState<Space> seen_from_frame = with_points<Space>(cluster.state, landmarks);
+    constexpr int kPose = Space::kPoseDim;
+    seen_from_frame.map_from_base = local.map_from_base;
+    seen_from_frame.covariance.topRows(kPose).setZero();
+    seen_from_frame.covariance.leftCols(kPose).setZero();
+    seen_from_frame.covariance.template topLeftCorner<kPose, kPose>() =
+        local.covariance.template topLeftCorner<kPose, kPose>();
+    auto pairs = common_landmarks<Space>(seen_from_frame, local, *associator_);
+    for (auto& pair : pairs) pair.first = landmarks[static_cast<std::size_t>(pair.first)];
+    return pairs;
+  }
+
+  void tell_landmarks(const Cluster<Space>& cluster, GlobalMap<Space>* global) const {
+    for (std::size_t i = 0; i < cluster.state.infos.size(); ++i) {
+      if (cluster.dropped[i] || is_path_point(cluster.state.infos[i])) continue;
+      const auto point = static_cast<Eigen::Index>(i);
+      const Eigen::Index row = Space::kPoseDim + kDim * point;
+      LandmarkEstimate<Space> landmark;
+      landmark.info = cluster.state.infos[i];
+      const bool is_named = associator_->knows_identities() && landmark.info.source_id != kNoId;
+      landmark.info.id = is_named ? landmark.info.source_id : static_cast<int>(global->landmarks.size());
+      landmark.position_in_map = cluster.state.landmarks_in_map.template segment<kDim>(kDim * point);
+      landmark.covariance = cluster.state.covariance.template block<kDim, kDim>(row, row);
+      global->landmarks.push_back(std::move(landmark));
+      global->segment_of_landmark.push_back(cluster.segment_of_point[i]);
+    }
+  }
+
+  /// The spline through the path points as they are known now carries what the filter's poses were besides.
+  void tell_path(const std::vector<Cluster<Space>>& clusters, int number, PlacedMap<Space>* placed) const {
+    const auto cluster = std::find_if(clusters.begin(), clusters.end(), [&](const Cluster<Space>& candidate) {
+      return std::count(candidate.segment_of_point.begin(), candidate.segment_of_point.end(), number) > 0;
+    });
+    std::vector<int> path;
+    for (std::size_t i = 0; i < cluster->state.infos.size(); ++i) {
+      if (cluster->segment_of_point[i] != number || !is_path_point(cluster->state.infos[i])) continue;
+      path.push_back(static_cast<int>(i));
+    }
+    const LocalMap<Space>& map = placed->map;
+    const PathSpline<kDim> now(map.path_stamps, points_at(cluster->state, path));
+    const PathSpline<kDim> then(map.path_stamps, positions_then(map));
+    std::vector<TimeNs> stamps;
+    for (const auto& pose : map.poses) stamps.push_back(pose.stamp);
+    const Eigen::MatrixXd weights = now.weights(stamps);
+    const Eigen::MatrixXd covariance = with_points<Space>(cluster->state, path).covariance;
+    const PoseEstimate<Space>& frame = placed->segment.global_from_local;
+    constexpr int kPose = Space::kPoseDim;
+    placed->segment.path.clear();
+    for (std::size_t k = 0; k < map.poses.size(); ++k) {
+      PoseEstimate<Space> pose = product<Space>(frame, map.poses[k].value);
+      const typename Space::Point detail =
+          map.poses[k].value.map_from_base.translation() - then.position(stamps[k]);
+      const typename Space::Point position =
+          now.position(stamps[k]) + frame.map_from_base.rotation() * detail;
+      pose.map_from_base = pose_from_parts<Space>(position, turn_of<Space>(pose.map_from_base));
+      Eigen::MatrixXd by_points = Eigen::MatrixXd::Zero(kDim, covariance.cols());
+      for (Eigen::Index j = 0; j < weights.cols(); ++j) {
+        by_points.template middleCols<kDim>(kPose + kDim * j)
+            .diagonal()
+            .setConstant(weights(static_cast<Eigen::Index>(k), j));
+      }
+      pose.covariance.template topRows<kDim>().setZero();
+      pose.covariance.template leftCols<kDim>().setZero();
+      const typename Space::PointMatrix spread = by_points * covariance * by_points.transpose();
+      pose.covariance.template topLeftCorner<kDim, kDim>() = spread.template selfadjointView<Eigen::Lower>();
+      placed->segment.path.push_back({stamps[k], pose});
+    }
+  }
+
+  const Positions& positions_;
+  const GlobalMapOptions& options_;
+  double merge_gate_;
+  std::unique_ptr<Associator<Space>> associator_;
+  int merged_ = 0;
+};
+
+}  // namespace
+
+template <class Space>
+GlobalMap<Space> integrate_maps(const std::vector<LocalMap<Space>>& maps,
+                                const std::vector<Stamped<Gaussian<Space::kPointDim>>>& positions,
+                                const GlobalMapOptions& options) {
+  for (std::size_t i = 1; i < positions.size(); ++i) {
+    if (positions[i].stamp < positions[i - 1].stamp) {
+      throw std::invalid_argument("global positions: time goes back by " +
+                                  std::to_string(to_seconds(positions[i - 1].stamp - positions[i].stamp)) +
+                                  " s at position " + std::to_string(i) + ", they must ascend");
+    }
+  }
+  return MapIntegration<Space>(positions, options).integrate(maps);
+}
+
+template GlobalMap<Planar> integrate_maps<Planar>(const std::vector<LocalMap<Planar>>&,
+                                                  const std::vector<Stamped<Gaussian<2>>>&,
+                                                  const GlobalMapOptions&);
+template GlobalMap<Spatial> integrate_maps<Spatial>(const std::vector<LocalMap<Spatial>>&,
+                                                    const std::vector<Stamped<Gaussian<3>>>&,
+                                                    const GlobalMapOptions&);
+
+}  // namespace kinect_ekf_slam
