@@ -123,7 +123,8 @@ class Solver {
       const double weight = 1.0 / pairs_.in_global[k].covariance.trace();
       moments += weight * (pairs_.in_global[k].mean - global_mean) * (place(k) - local_mean).transpose();
     }
-    const Eigen::JacobiSVD<typename Space::PointMatrix> svd(moments, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::JacobiSVD<typename Space::PointMatrix> svd(moments,
+                                                            Eigen::ComputeFullU | Eigen::ComputeFullV);
     Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
     Eigen::MatrixXd proper = Eigen::MatrixXd::Identity(kDim, kDim);  // a rotation, no reflection
     proper(kDim - 1, kDim - 1) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;

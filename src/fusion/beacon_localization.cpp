@@ -88,7 +88,7 @@ template <class Space>
 std::optional<typename BeaconLocalization<Space>::Position> BeaconLocalization<Space>::fix(
     const std::vector<BeaconRange>& ranges) const {
   constexpr int kMostRounds = 30;
-  constexpr double kSettled = 1e-9;  // m
+  constexpr double kSettled = 1e-6;  // m
   if (ranges.size() < static_cast<std::size_t>(kDim)) return std::nullopt;
   Position fix = position();
   for (int round = 0; round < kMostRounds; ++round) {
