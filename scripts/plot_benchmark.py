@@ -30,7 +30,7 @@ LINES = {"limit/rank16": ("bare rank-16 update", "0.5", "--"), "limit/one_pass":
          "update/mrpt_davison": ("MRPT, Davison", "#d55e00", "-."), "update/mrpt_full": ("MRPT, full", "#882255", "-.")}
 SPATIAL = {"spatial/ekf": "EKF", "spatial/invariant_ekf": "right-invariant EKF", "spatial/mrpt_davison": "MRPT, Davison",
            "spatial/mrpt_full": "MRPT, full"}
-STEEP_FROM = 500  # landmarks: growth is told from here on
+STEEP_FROM = 100  # landmarks: growth is told from here on
 
 
 def read(path):
@@ -50,7 +50,7 @@ def read(path):
 
 
 def growth(times):
-    """The exponent of n in the time, from maps that are no longer small; None: not measured."""
+    """The exponent of n in the time, from STEEP_FROM landmarks on; None: not measured."""
     points = [(n, time) for n, time in times.items() if n >= STEEP_FROM]
     if len(points) < 2:
         return None
@@ -83,7 +83,7 @@ def print_spatial(series):
 def print_tables(series):
     medians = {name: {n: run["median_ms"] for n, run in sorted(series[name].items())} for name in LINES if series[name]}
     head = sorted({n for times in medians.values() for n in times})
-    print("Time per update (predict and observe), 8 landmarks in view, by the number of landmarks: median, ms")
+    print(f"Time per update (predict and observe), 8 landmarks in view, by the number of landmarks: median, ms; growth from {STEEP_FROM} on")
     table(head, [(LINES[name][0], times, growth(times)) for name, times in medians.items()], "{:.3g}")
     ekf = medians["update/ekf"]
 

@@ -39,7 +39,7 @@ FIGURES = (
     ("study", "the simulated room", "`slam_study room --seeds 100`", "`config/worlds/room.yaml`, `config/slam.yaml`"),
     ("hard study", "the room on a bad day", "`slam_study room --world config/worlds/room_hard.yaml`", "`config/slam.yaml`"),
     ("consistency", "whether the covariance tells the truth", "`slam_study consistency`", "the textbook's noise, 50 seeds"),
-    ("benchmark", "time and memory", "`scripts/benchmark.sh --quick --mrpt`", "8 landmarks in view, identities known"),
+    ("benchmark", "time and memory", "`scripts/benchmark.sh --mrpt`", "8 landmarks in view, identities known"),
 )
 
 
@@ -80,7 +80,7 @@ def demo_summary():
 
 def benchmark_tables():
     """All but the name of the picture."""
-    return output_of("scripts/benchmark.sh", "--quick", "--mrpt").rsplit("\n", 1)[0].strip()
+    return output_of("scripts/benchmark.sh", "--mrpt").rsplit("\n", 1)[0].strip()
 
 
 def consistency_figures():
