@@ -33,7 +33,7 @@ class BadInput(SlamCase):
         return run, run.saved_map(), run.pose_in_map()
 
     def assert_no_trace(self, disturbed, clean, overrides=None, **options):
-        """Both middles end in the same pose and map, to the last bit; returns the disturbed run."""
+        """Both middles end in the same map, to the last bit, and the same pose; returns the disturbed run."""
         kind = (clean.__qualname__, repr(overrides), repr(options))
         if kind not in self._clean_ends:
             self._clean_ends[kind] = self.end_of(clean, overrides, **options)[1:]
@@ -41,7 +41,7 @@ class BadInput(SlamCase):
         run, state, pose = self.end_of(disturbed, overrides, **options)
         self.assertEqual(len(state["landmarks"]), 4)
         self.assert_same_state(state, clean_state)
-        self.assertEqual(pose, clean_pose)
+        np.testing.assert_allclose(pose, clean_pose, rtol=0.0, atol=1e-12)  # odometry that waits is added in parts
         return run
 
     def assert_bad_message_is_harmless(self, topic, reason, make, change, **options):
