@@ -17,8 +17,8 @@ bool has_wide_product() {
 __attribute__((target("avx2,fma"))) void add_wide_product(double* target, int columns, const double* left,
                                                           const double* right, int depth) {
   using Four = double __attribute__((vector_size(32), aligned(8), may_alias));
-  constexpr int kFours = kWideRows / 4;  // a column
-  constexpr int kAhead = 8;              // columns that are fetched early: memory is slower than this
+  constexpr std::ptrdiff_t kFours = kWideRows / 4;  // a column
+  constexpr int kAhead = 8;  // columns that are fetched early: memory is slower than this
   for (int col = 0; col < columns; col += kWideColumns) {
     const double* factors = right + static_cast<std::ptrdiff_t>(col) * depth;
     auto* corner = reinterpret_cast<Four*>(target + static_cast<std::ptrdiff_t>(col) * kWideRows);

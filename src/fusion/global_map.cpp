@@ -123,10 +123,11 @@ class MapIntegration {
     LocalMap<Space> both = first;
     both.state = joined_states<Space>(first.state, second.state);
     std::vector<bool> dropped(both.state.infos.size(), false);
-    dropped[static_cast<std::size_t>(offset + second.path_points().front())] = true;  // the first one's last
+    dropped[static_cast<std::size_t>(offset) + static_cast<std::size_t>(second.path_points().front())] =
+        true;  // the first one's last
     for (const auto& [old_point, new_point] : pairs) {
       if (!merge_points<Space>(old_point, offset + new_point, merge_gate_, &both.state)) continue;
-      dropped[static_cast<std::size_t>(offset + new_point)] = true;
+      dropped[static_cast<std::size_t>(offset) + static_cast<std::size_t>(new_point)] = true;
       ++merged_;
     }
     std::vector<int> kept;

@@ -31,6 +31,7 @@ PoseEstimate<Space> interpolate(const std::vector<Stamped<PoseEstimate<Space>>>&
   using TurnMatrix = Eigen::Matrix<double, Space::kTurnDim, Space::kTurnDim>;
   using PoseMatrix = typename Space::PoseMatrix;
   std::vector<TimeNs> stamps;
+  stamps.reserve(samples.size());
   for (const auto& sample : samples) stamps.push_back(sample.stamp);
   const Eigen::VectorXd weights = lagrange_weights(stamp, stamps);
 

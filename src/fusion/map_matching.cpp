@@ -84,6 +84,7 @@ std::vector<std::pair<int, int>> common_landmarks(const SlamState<Space>& first,
   const StateView<Space> view(first);
   const std::vector<int> seen = landmarks_of(second);
   std::vector<Observation<Space>> sightings;
+  sightings.reserve(seen.size());
   for (const int point : seen) sightings.push_back(as_sighting(second, point));
   const std::vector<Assignment> assignments = associator.associate(sightings, view);
   std::vector<std::pair<int, int>> pairs;
