@@ -48,8 +48,8 @@ SlamState<Space> joined_states(const SlamState<Space>& first, const SlamState<Sp
   by_first.block(kPose, kPose, old_points, old_points).setIdentity();
   for (int i = 0; i < point_count(second); ++i) {
     const typename Space::Point moved = frame * point_of(second, i);
-    const Eigen::Index row = kPose + old_points + kPoint * i;
-    joined.landmarks_in_map.template segment<kPoint>(old_points + kPoint * i) = moved;
+    const Eigen::Index row = kPose + old_points + Eigen::Index{kPoint} * i;
+    joined.landmarks_in_map.template segment<kPoint>(old_points + Eigen::Index{kPoint} * i) = moved;
     by_first.block<kPoint, kPose>(row, 0) = point_by_error<Space>(frame, moved);
     by_second.block<kPoint, kPoint>(row, row_of<Space>(i)) = frame.rotation();
   }
@@ -93,6 +93,7 @@ template <class Space>
 SlamState<Space> with_points(const SlamState<Space>& state, const std::vector<int>& points) {
   constexpr int kPoint = Space::kPointDim;
   std::vector<int> rows;
+  rows.reserve(Space::kPoseDim);
   for (int i = 0; i < Space::kPoseDim; ++i) rows.push_back(i);
   SlamState<Space> chosen;
   chosen.map_from_base = state.map_from_base;

@@ -21,6 +21,7 @@ Eigen::VectorXd lagrange_weights(TimeNs stamp, const std::vector<TimeNs>& sample
 template <int Dim>
 Gaussian<Dim> interpolate(const std::vector<Stamped<Gaussian<Dim>>>& samples, TimeNs stamp) {
   std::vector<TimeNs> stamps;
+  stamps.reserve(samples.size());
   for (const auto& sample : samples) stamps.push_back(sample.stamp);
   const Eigen::VectorXd weights = lagrange_weights(stamp, stamps);
   Gaussian<Dim> result;
