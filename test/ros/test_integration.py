@@ -14,9 +14,11 @@ import numpy as np
 import rospy
 import rostest
 import yaml
-from geometry_msgs.msg import Point, Pose, PoseArray, PoseStamped, PoseWithCovarianceStamped, Transform, Vector3
-from kinect_ekf_slam.msg import LandmarkDetectionArray
+from geometry_msgs.msg import Point, Pose, PoseArray, PoseStamped, PoseWithCovarianceStamped, Transform, Twist, Vector3
+from kinect_ekf_slam.msg import LandmarkDetectionArray, LandmarkMap
+from nav_msgs.msg import Odometry
 from std_msgs.msg import Header
+from tf2_msgs.msg import TFMessage
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, "support"))
 
@@ -97,6 +99,38 @@ class LaunchCase(unittest.TestCase):
         return in_map(truth.last.pose.position.x, truth.last.pose.position.y)
 
 
+class RobotLocalization(LaunchCase):
+    def test_its_odometry_is_used_and_it_uses_the_pose_with_its_covariance(self):
+        truth = self.record("/ground_truth/pose", PoseStamped)
+        pose = self.record("/slam_node/pose", PoseWithCovarianceStamped)
+        fused = self.record("/odometry/filtered_map", Odometry)
+        slam_map = self.record("/slam_node/map", LandmarkMap)
+        tf = self.record("/tf", TFMessage)
+        commands = rospy.Publisher("/cmd_vel", Twist, queue_size=1)
+        self.addCleanup(commands.unregister)
+        launched = self.launch("integration_robot_localization.launch")
+        wait_until(lambda: truth.last and pose.last and fused.last, lambda: "all have begun:\n" + launched.said(), LONGEST)
+
+        def has_driven():  # a robot that is told nothing stands still, so that all begin where it does
+            commands.publish(linear=Vector3(x=0.2), angular=Vector3(z=0.2))
+            return (slam_map.last and len(slam_map.last.landmarks) >= 3 and
+                    math.hypot(*self.true_position(truth)) > 0.5)
+        wait_until(has_driven, lambda: "three landmarks are mapped:\n" + launched.said(), LONGEST)
+        commands.publish()
+
+        def agree():
+            place = self.true_position(truth)
+            return max(distance(pose.last.pose.pose.position, place), distance(fused.last.pose.pose.position, place)) < 0.15
+        wait_until(agree, lambda: "both are where the robot is: %s %s %s" % (truth.last, pose.last, fused.last))
+        self.assertNotIn("ekf_localization_node: ", launched.said())
+        publishers = {}
+        for message in tf.messages:
+            for transform in message.transforms:
+                publishers.setdefault((transform.header.frame_id, transform.child_frame_id),
+                                      set()).add(message._connection_header["callerid"])
+        self.assertEqual(publishers, {("odom", "base_footprint"): {"/ekf_odom"}, ("map", "odom"): {"/ekf_map"}})
+
+
 class Navigation(LaunchCase):
     def test_a_goal_in_the_map_is_reached(self):
         truth = self.record("/ground_truth/pose", PoseStamped)
@@ -110,6 +144,57 @@ class Navigation(LaunchCase):
         goals.publish(goal)
         wait_until(lambda: truth.last and math.hypot(*np.subtract(self.true_position(truth), place)) < 0.15,
                    lambda: "the robot is at %s: %s\n%s" % (place, truth.last, launched.said()), LONGEST)
+
+
+class CorrectionTime(SlamCase):
+    """The robot drives blind with a wheel error, then sees the landmarks again."""
+    TIME_CONSTANT = 0.5  # s
+
+    def shown_pose(self, run):
+        """(x, y) of the robot by tf and odometry."""
+        stamp = run.pose_stamp()
+
+        def newest():
+            transform = run.tf.last.transforms[0] if run.tf.last else None
+            ahead = transform and scenario.to_ns(transform.header.stamp) - stamp
+            return transform.transform if transform and ahead == scenario.SECOND // 10 else None
+        transform = wait_until(newest, "tf of this pose came")
+        heading = scenario.heading_of(transform.rotation)
+        x, y, _ = run.scenario_pose
+        return np.array([transform.translation.x + math.cos(heading) * x - math.sin(heading) * y,
+                         transform.translation.y + math.sin(heading) * x + math.cos(heading) * y])
+
+    def steps(self, correction_time):
+        """Of what is told on ~pose and by tf, m from one odometry message to the next, and how far both are apart at the end."""
+        run = self.start({"output/correction_time": correction_time, "association/type": "known",
+                          "motion/linear_noise_per_speed": 1.0}, odometry_scale=0.7, turn=0.0)
+        run.drive(1.0)
+        run.drive(3.0, look=False)
+        told, shown = [], []
+        for look in [False, False] + 20 * [True]:
+            run.scenario_pose = run.scenario.pose_in_odom
+            step = run.scenario.step()
+            step.detections = step.detections if look else None
+            run.send(step)
+            told.append(run.pose_in_map()[:2])
+            shown.append(self.shown_pose(run))
+        lengths = [np.linalg.norm(np.diff(path, axis=0), axis=1) for path in (told, shown)]
+        return (*lengths, np.linalg.norm(np.subtract(told[-1], shown[-1])))
+
+    def test_without_it_tf_jumps_as_the_pose_does(self):
+        told, shown, apart = self.steps(0.0)
+        self.assertGreater(told.max(), 0.1)
+        np.testing.assert_allclose(shown, told, atol=1e-6)
+        self.assertLess(apart, 1e-6)
+
+    def test_with_it_tf_moves_gradually_to_the_pose_which_still_jumps(self):
+        told, shown, apart = self.steps(self.TIME_CONSTANT)
+        self.assertGreater(told.max(), 0.1)
+        odometry = 0.7 * 0.2 * 0.1
+        first = 1.0 - math.exp(-0.1 / self.TIME_CONSTANT)
+        self.assertLess(shown.max(), odometry + 1.1 * first * told.max())
+        lag = (1.0 - 0.7) * 0.2 * self.TIME_CONSTANT   # the wheels stay wrong, so there is always something to correct
+        self.assertLess(apart, 1.5 * lag)
 
 
 class Converter(SlamCase):
@@ -142,7 +227,7 @@ class Converter(SlamCase):
         """What became of the detections of the third look."""
         converted = Recorder(run.namespace + "/landmarks", LandmarkDetectionArray)
         self.addCleanup(converted.close)
-        wait_until(lambda: converted.connections() == 2, "the converter is heard")
+        wait_until(lambda: rospy.get_name() in self.listeners(run), "the test hears the converter")
         for _ in range(5):
             step = run.scenario.step()
             detections, step.detections = step.detections, None

@@ -62,12 +62,8 @@ class Recorder:
     def last(self):
         return self.messages[-1] if self.messages else None
 
-    def connections(self):
-        """How many publish to it."""
-        return self._subscriber.get_num_connections()
-
     def is_connected(self):
-        return self.connections() > 0
+        return self._subscriber.get_num_connections() > 0
 
     def close(self):
         self._subscriber.unregister()
