@@ -40,6 +40,11 @@ no_ros_below() {
     src/{core,models,association,estimators,mapping,fusion,pipeline,simulation,study}
 }
 
+# What starts a shell could be made to start another program.
+no_shell() {
+  ! git grep -nE '\b(system|popen)\(|shell *= *True|os\.system' -- 'src/*' 'include/*' 'examples/*' 'scripts/*.py'
+}
+
 headers_stand_alone() {
   local failed=0 header
   for header in $(git ls-files 'include/*.h' | grep -v /ros/); do
@@ -63,6 +68,7 @@ tidy() {
 check clang_format format
 check catkin_lint lint
 check layers_know_no_ros no_ros_below
+check no_shell no_shell
 check headers_stand_alone headers_stand_alone
 check docs scripts/build_docs.sh   # links, anchors, and what Doxygen warns of
 check readme_parameters scripts/update_readme.py --check

@@ -3,6 +3,12 @@
 #include <algorithm>
 
 namespace kinect_ekf_slam {
+namespace {
+
+/// Different labels that one landmark remembers: a detector that makes up new ones must not fill the memory.
+constexpr std::size_t kMostLabels = 100;
+
+}  // namespace
 
 std::string LandmarkInfo::label() const {
   const auto most =
@@ -15,7 +21,9 @@ void LandmarkInfo::add(TimeNs stamp, const Signature& signature) {
   last_seen = stamp;
   ++observations;
   if (source_id == kNoId) source_id = signature.source_id;
-  if (!signature.label.empty()) ++label_votes[signature.label];
+  const bool votes = !signature.label.empty() &&
+                     (label_votes.size() < kMostLabels || label_votes.count(signature.label) > 0);
+  if (votes) ++label_votes[signature.label];
   if (!signature.descriptor.empty()) descriptor = signature.descriptor;
   if (signature.radius > 0.0) {
     ++radius_observations;

@@ -10,8 +10,10 @@
 #include <set>
 
 #include "kinect_ekf_slam/core/atomic_file.h"
+#include "kinect_ekf_slam/core/bounded_file.h"
 #include "kinect_ekf_slam/core/compatibility.h"
 #include "kinect_ekf_slam/core/space.h"
+#include "kinect_ekf_slam/mapping/yaml_keys.h"
 
 namespace kinect_ekf_slam {
 namespace {
@@ -23,7 +25,7 @@ constexpr int kVersion = 1;
 constexpr std::size_t kLongestKey = 1000;             // bytes; YAML wants a mark before a longer one
 constexpr double kFarthest = 1e9;                     // m; nothing is mapped beyond
 constexpr double kLeastSure = kFarthest * kFarthest;  // m^2
-constexpr std::uintmax_t kLargestFile = 1U << 30U;    // bytes; a larger one is no map of ours
+constexpr std::size_t kLargestFile = 1U << 30U;       // bytes; a larger one is no map of ours
 
 /// The shortest text that reads back as the same number.
 std::string exact(double value) {
@@ -47,6 +49,10 @@ std::string quoted(const std::string& text) {
 
 [[noreturn]] void fail(const std::string& path, const std::string& what) {
   throw MapFileError(path + ": " + what);
+}
+
+void check_keys(const YAML::Node& map) {
+  if (const std::string fault = repeated_key(map); !fault.empty()) throw MapFileError(fault);
 }
 
 double finite(const YAML::Node& node, const char* what) {
@@ -96,6 +102,7 @@ void check_pose(const SavedState& state) {
 }
 
 LandmarkInfo landmark_info(const YAML::Node& node) {
+  check_keys(node);
   LandmarkInfo info;
   info.id = node["id"].as<int>();
   info.source_id = node["source_id"].as<int>();
@@ -109,6 +116,7 @@ LandmarkInfo landmark_info(const YAML::Node& node) {
   const YAML::Node votes = node["label_votes"];
   if (!votes.IsMap())
     throw MapFileError("landmark " + std::to_string(info.id) + ": label_votes is not a map");
+  check_keys(votes);
   for (const auto& vote : votes) {
     info.label_votes[vote.first.as<std::string>()] = vote.second.as<std::uint32_t>();
   }
@@ -116,6 +124,7 @@ LandmarkInfo landmark_info(const YAML::Node& node) {
 }
 
 SavedState parse(const YAML::Node& root, const std::string& expected_frame) {
+  check_keys(root);
   const auto frame = root["frame"].as<std::string>();
   if (frame != expected_frame) {
     throw MapFileError("its frame is '" + frame + "', frames/map is '" + expected_frame + "'");
@@ -220,6 +229,8 @@ void write_map(const std::string& path, const std::string& frame, const SavedSta
     text += "  " + parameters.substr(begin, end - begin) + "\n";
     begin = end + 1;
   }
+  if (text.size() > kLargestFile)
+    fail(path, "not written: " + std::to_string(text.size()) + " bytes, more than is read back");
   std::error_code error;
   fs::create_directories(fs::path(path).parent_path(), error);
   try {
@@ -230,12 +241,8 @@ void write_map(const std::string& path, const std::string& frame, const SavedSta
 }
 
 SavedState read_map(const std::string& path, const std::string& expected_frame) {
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (error) fail(path, "cannot be read: " + error.message());
-  if (size > kLargestFile) fail(path, "too large to be a map");
   try {
-    const YAML::Node root = YAML::LoadFile(path);
+    const YAML::Node root = YAML::Load(read_regular_file(path, kLargestFile));
     if (!root.IsMap() || !root["format"] || root["format"].as<std::string>() != kFormat) {
       fail(path, "not a map of kinect_ekf_slam");
     }
@@ -248,10 +255,9 @@ SavedState read_map(const std::string& path, const std::string& expected_frame) 
     return parse(root, expected_frame);
   } catch (const YAML::Exception& problem) {
     fail(path, std::string("damaged: ") + problem.what());
-  } catch (const MapFileError& problem) {
+  } catch (const std::runtime_error& problem) {
     const std::string line = problem.what();
-    if (line.rfind(path, 0) == 0) throw;
-    fail(path, line);
+    throw MapFileError(line.rfind(path, 0) == 0 ? line : path + ": " + line);
   }
 }
 

@@ -40,6 +40,10 @@ Eigen::Isometry3d to_eigen(const geometry_msgs::Transform& transform) {
   return isometry(to_eigen(transform.translation), transform.rotation);
 }
 
+std::string without_slash(const std::string& frame_id) {
+  return !frame_id.empty() && frame_id.front() == '/' ? frame_id.substr(1) : frame_id;
+}
+
 bool is_pose(const geometry_msgs::Pose& message) {
   constexpr double kFarthest = 1e9;   // m
   constexpr double kShortest = 1e-6;  // a quaternion's norm; its square has to be a number as well

@@ -52,6 +52,11 @@ void Health::note_result(const SlamResult& result) {
   nis_per_dof_ += weight * (result.nis / result.dof - nis_per_dof_);
 }
 
+void Health::note_autosave(const std::string& outcome, bool sound) {
+  autosave_ = outcome;
+  autosave_sound_ = sound;
+}
+
 void Health::set_state(const std::string& mode, bool paused) {
   mode_ = mode;
   paused_ = paused;
@@ -114,6 +119,7 @@ void Health::report_estimate(diagnostic_updater::DiagnosticStatusWrapper& status
   const double sigma = std::sqrt(pose_.covariance.diagonal().head(expectation_.position_axes).maxCoeff());
   status.summary(DiagnosticStatus::OK, "estimating");
   if (paused_) status.summary(DiagnosticStatus::OK, "paused: detections are not used");
+  if (!autosave_sound_) status.summary(DiagnosticStatus::WARN, "the map is not saved: " + autosave_);
   if (nis_per_dof_ > kNisTooLarge) {
     status.summary(DiagnosticStatus::WARN,
                    "sightings fit worse than the covariance says: is a noise or calibration wrong?");
@@ -134,6 +140,7 @@ void Health::report_estimate(diagnostic_updater::DiagnosticStatusWrapper& status
   status.add("localization", to_string(localization_));
   status.add("paused", paused_ ? "yes" : "no");
   status.add("landmarks", landmarks_);
+  if (!autosave_.empty()) status.add("autosave", autosave_);
   status.addf("position sigma (m)", "%.4f", sigma);
   status.addf("heading sigma (deg)", "%.3f", degrees(std::sqrt(pose_.covariance(5, 5))));
   status.addf("NIS per degree of freedom", "%.3f", nis_per_dof_);

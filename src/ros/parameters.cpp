@@ -2,9 +2,11 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <sstream>
 
+#include "kinect_ekf_slam/mapping/yaml_keys.h"
 #include "kinect_ekf_slam/ros/parameter_visitor.h"
 
 namespace kinect_ekf_slam {
@@ -286,6 +288,13 @@ void visit(Visitor& v, MapOptions& o) {
   v.text("map/file_name", &o.file_name, false, "used by the services when they name none");
   v.boolean("map/load_at_start", &o.load_at_start, "load map/file_name when the node starts");
   v.boolean("map/save_at_exit", &o.save_at_exit, "save map/file_name when the node stops");
+  v.number("map/autosave_period", &o.autosave_period, 0.0, 86400.0, "s",
+           "how often map/file_name is saved while the node runs, once there is a landmark; 0: never");
+  constexpr double kShortestPeriod = 0.01;  // s; the node has more to do than to save
+  if (o.autosave_period > 0.0 && o.autosave_period < kShortestPeriod) {
+    throw ParameterError("map/autosave_period: " + text_of(o.autosave_period) +
+                         " given, allowed: 0 or at least " + text_of(kShortestPeriod));
+  }
 }
 
 void visit(Visitor& v, OutputOptions& o) {
@@ -336,6 +345,20 @@ void visit(Visitor& v, RunOptions& o) {
         "fusion/frame: '" + o.fusion.frame +
         "' given, allowed: another frame than frames/map; positions in that need no fusion/frame");
   }
+}
+
+/// The text of a file of parameters. Throws ParameterError when there is none, or more than a person writes.
+std::string config_text(const std::string& file) {
+  constexpr std::streamsize kMost = 1 << 20;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw ParameterError(file + ": cannot be read");
+  std::string text(kMost + 1, '\0');
+  stream.read(text.data(), kMost + 1);  // a device never ends
+  if (stream.gcount() > kMost) {
+    throw ParameterError(file + ": allowed: no more than " + std::to_string(kMost) + " bytes");
+  }
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
 }
 
 }  // namespace
@@ -394,13 +417,13 @@ RunOptions read_run_options(const std::vector<std::string>& configs, const std::
     std::error_code unreadable;  // is told below
     if (std::filesystem::is_directory(file, unreadable)) throw ParameterError(file + ": is a folder");
     try {
-      const YAML::Node overlay = YAML::LoadFile(file);
+      const YAML::Node overlay = YAML::Load(config_text(file));
       if (!overlay.IsMap() && !overlay.IsNull()) {
         throw ParameterError(file + ": not a YAML map of parameter groups");
       }
+      const std::string fault = repeated_key_within(overlay);
+      if (!fault.empty()) throw ParameterError(file + ": " + fault);
       yaml = merge_parameters(yaml, overlay);
-    } catch (const YAML::BadFile&) {
-      throw ParameterError(file + ": cannot be read");
     } catch (const YAML::Exception& error) {
       throw ParameterError(file + ": not YAML: " + error.what());
     }

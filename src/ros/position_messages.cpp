@@ -1,6 +1,7 @@
 #include "kinect_ekf_slam/ros/position_messages.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "kinect_ekf_slam/core/angles.h"
@@ -106,6 +107,36 @@ std::optional<MessageProblem> problem_of(const sensor_msgs::NavSatFix& message, 
   }
   if (has_covariance && !is_covariance(Eigen::Map<const RowMajor3d>(message.position_covariance.data()))) {
     return MessageProblem{"no covariance", "its covariance is not finite, not symmetric or not positive"};
+  }
+  return std::nullopt;
+}
+
+Pose3d to_initial_pose(const geometry_msgs::PoseWithCovariance& message) {
+  Pose3d pose;
+  pose.map_from_base = to_eigen(message.pose);
+  const Eigen::Map<const RowMajor6d> given(message.covariance.data());
+  pose.covariance = 0.5 * (given + given.transpose());
+  Eigen::Matrix<double, 6, 1> usual;  // m^2 and rad^2, what RViz gives for x, y and yaw alone
+  usual << 0.25, 0.25, 0.25, 0.07, 0.07, 0.07;
+  for (int axis = 0; axis < 6; ++axis) {
+    if (!(pose.covariance(axis, axis) > 0.0)) pose.covariance(axis, axis) = usual(axis);
+  }
+  return pose;
+}
+
+std::optional<MessageProblem> problem_of_initial_pose(const geometry_msgs::PoseWithCovariance& message) {
+  if (!is_pose(message.pose))
+    return MessageProblem{"not finite", "its pose is not finite, or its quaternion is none"};
+  constexpr double kMost = 1e6;  // m^2 and rad^2
+  const Eigen::Map<const RowMajor6d> given(message.covariance.data());
+  const bool says_where = given(0, 0) > 0.0 && given(1, 1) > 0.0 && given(kYaw, kYaw) > 0.0;
+  const bool is_fine =
+      given.isZero(0.0) ||
+      (given.allFinite() && says_where && given.maxCoeff() <= kMost &&
+       Eigen::SelfAdjointEigenSolver<RowMajor6d>(0.5 * (given + given.transpose())).eigenvalues()(0) > -1e-9);
+  if (!is_fine) {
+    return MessageProblem{"no covariance",
+                          "its covariance is no covariance: not finite, not positive, or beyond 1e6"};
   }
   return std::nullopt;
 }

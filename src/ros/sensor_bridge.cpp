@@ -20,8 +20,26 @@ constexpr std::uint32_t kLastSecond = 4000000000U;
 /// s of odometry without an IMU message after which the IMU is taken for gone.
 constexpr double kImuTimeout = 1.0;
 
-std::string without_slash(const std::string& frame_id) {
-  return !frame_id.empty() && frame_id.front() == '/' ? frame_id.substr(1) : frame_id;
+/// Beyond what any detector sends: what stays of a message stays bounded.
+constexpr std::size_t kMostDetections = 10000;    // as sensor/max_detections
+constexpr std::size_t kLongestLabel = 1000;       // bytes
+constexpr std::size_t kLongestDescriptor = 4096;  // numbers
+
+std::string more_than(const std::string& what, std::size_t count, std::size_t most) {
+  return what + ": " + std::to_string(count) + " given, allowed: no more than " + std::to_string(most);
+}
+
+/// What there is too much of in a message; "": nothing.
+std::string excess_of(const LandmarkDetectionArray& message) {
+  if (message.detections.size() > kMostDetections)
+    return more_than("detections", message.detections.size(), kMostDetections);
+  for (const LandmarkDetection& detection : message.detections) {
+    if (detection.label.size() > kLongestLabel)
+      return more_than("bytes of a label", detection.label.size(), kLongestLabel);
+    if (detection.descriptor.size() > kLongestDescriptor)
+      return more_than("numbers of a descriptor", detection.descriptor.size(), kLongestDescriptor);
+  }
+  return "";
 }
 
 }  // namespace
@@ -184,6 +202,9 @@ bool SensorBridge::add_landmarks(const LandmarkDetectionArray::ConstPtr& message
   if (message->header.frame_id.empty()) {
     return refuse(input, "frame", "its frame_id is empty");
   }
+  if (const std::string excess = excess_of(*message); !excess.empty()) {
+    return refuse(input, "too large", excess);
+  }
   if (!check_stamp(input, message->header, now)) return false;
   take(input, to_time(message->header.stamp));
   unsynchronized_.push_back(input.last_stamp);
@@ -262,6 +283,21 @@ bool SensorBridge::add_ranges(const BeaconRanges& message, const ros::Time& now)
   frame.ranges = to_ranges(message, *base_from_receiver);
   handlers_.on_frame(std::move(frame));
   return true;
+}
+
+std::optional<Pose3d> SensorBridge::initial_pose(const geometry_msgs::PoseWithCovarianceStamped& message) {
+  const std::string frame_id = without_slash(message.header.frame_id);
+  std::optional<MessageProblem> problem = problem_of_initial_pose(message.pose);
+  if (frame_id != frames_.map) {
+    problem =
+        MessageProblem{"frame", "its frame is '" + frame_id + "', expected frames/map '" + frames_.map + "'"};
+  }
+  if (problem) {
+    refuse(initial_pose_input_, problem->reason, problem->detail);
+    return std::nullopt;
+  }
+  ++accepted_[initial_pose_input_.name];
+  return to_initial_pose(message.pose);
 }
 
 void SensorBridge::on_synchronized(const LandmarkDetectionArray::ConstPtr& message) {

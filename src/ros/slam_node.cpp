@@ -1,6 +1,5 @@
 #include "kinect_ekf_slam/ros/slam_node.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -119,6 +118,10 @@ void SlamNode::connect() {
                                       [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
   scene_timer_ = private_handle_.createTimer(ros::Duration(1.0 / options_.output.marker_rate),
                                              [this](const ros::TimerEvent&) { publish_scene(); });
+  if (options_.map.autosave_period > 0.0) {  // wall time: a power cut keeps to no simulated clock
+    autosave_timer_ = private_handle_.createWallTimer(ros::WallDuration(options_.map.autosave_period),
+                                                      [this](const ros::WallTimerEvent&) { autosave(); });
+  }
   publish_scene();
 }
 
@@ -189,34 +192,13 @@ void SlamNode::on_ranges(const BeaconRanges::ConstPtr& message) {
 }
 
 void SlamNode::on_initial_pose(const geometry_msgs::PoseWithCovarianceStamped::ConstPtr& message) {
-  const std::string& frame_id = message->header.frame_id;
-  if (frame_id != options_.frames.map) {
-    ROS_WARN("initialpose: ignored, its frame is '%s', expected frames/map '%s'", frame_id.c_str(),
-             options_.frames.map.c_str());
-    return;
-  }
-  Pose3d pose;
-  pose.map_from_base = to_eigen(message->pose.pose);
-  const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> given(message->pose.covariance.data());
-  const Matrix6d symmetric = 0.5 * (given + given.transpose());
-  const bool has_covariance = given.allFinite() && given(0, 0) > 0.0 && given(1, 1) > 0.0 &&
-                              given(5, 5) > 0.0 && given.maxCoeff() <= 1e6 &&
-                              Eigen::SelfAdjointEigenSolver<Matrix6d>(symmetric).eigenvalues()(0) > -1e-9;
-  if (!is_pose(message->pose.pose) || (!has_covariance && !given.isZero(0.0))) {
-    ROS_WARN("initialpose: ignored, its pose or covariance is not finite or not positive");
-    return;
-  }
-  if (has_covariance) pose.covariance = symmetric;
-  Eigen::Matrix<double, 6, 1> usual;  // m^2 and rad^2, what RViz gives for x, y and yaw alone
-  usual << 0.25, 0.25, 0.25, 0.07, 0.07, 0.07;
-  for (int axis = 0; axis < 6; ++axis) {  // unknown is not zero
-    if (!has_covariance || !(symmetric(axis, axis) > 0.0)) pose.covariance(axis, axis) = usual(axis);
-  }
-  session_.set_pose(pose);
+  const std::optional<Pose3d> pose = session_.input().initial_pose(*message);
+  if (!pose) return;
+  session_.set_pose(*pose);
   correction_.jump();
   scene_changed_ = true;
-  ROS_INFO("initialpose: the robot is at (%.2f, %.2f) m", pose.map_from_base.translation().x(),
-           pose.map_from_base.translation().y());
+  ROS_INFO("initialpose: the robot is at (%.2f, %.2f) m", pose->map_from_base.translation().x(),
+           pose->map_from_base.translation().y());
 }
 
 void SlamNode::on_result(const SensorFrame& frame, const SlamResult& result) {
@@ -426,14 +408,26 @@ bool SlamNode::relocalize(std_srvs::Trigger::Request& /*request*/, std_srvs::Tri
   return true;
 }
 
+std::string SlamNode::save_unless_empty() { return session_.pipeline().map().empty() ? "" : save(""); }
+
+void SlamNode::autosave() {
+  try {
+    health_.note_autosave(save_unless_empty().empty() ? "nothing yet: no landmark is mapped" : "saved", true);
+  } catch (const MapFileError& error) {
+    health_.note_autosave(error.what(), false);
+    ROS_WARN_THROTTLE(kLogPeriod, "map/autosave_period: the map is not saved: %s", error.what());
+  }
+}
+
 void SlamNode::shut_down() {
   if (!options_.map.save_at_exit) return;
-  if (session_.pipeline().map().empty()) {  // a map of an earlier run is worth more than none
-    std::printf("slam_node: no landmark was mapped, nothing saved\n");
-    return;
-  }
   try {
-    std::printf("slam_node: map saved to %s\n", save("").c_str());
+    const std::string path = save_unless_empty();
+    if (path.empty()) {
+      std::printf("slam_node: no landmark was mapped, nothing saved\n");
+    } else {
+      std::printf("slam_node: map saved to %s\n", path.c_str());
+    }
   } catch (const MapFileError& error) {
     std::fprintf(stderr, "slam_node: map not saved: %s\n", error.what());
   }

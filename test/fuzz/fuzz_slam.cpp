@@ -1,5 +1,5 @@
 /// Damaged messages and files through everything that reads them: what cannot be used is refused with a
-/// reason, what can be used leaves a finite estimate. FUZZ_ROUNDS says how often; scripts/faults.sh runs it
+/// reason, what can be used leaves a finite estimate. FUZZ_ROUNDS says how often; scripts/faults.py runs it
 /// long and with sanitizers.
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <gtest/gtest.h>
@@ -86,6 +86,16 @@ sensor_msgs::Imu imu(const ros::Time& stamp) {
   return message;
 }
 
+/// `initialpose`, of RViz.
+geometry_msgs::PoseWithCovarianceStamped person(const ros::Time& stamp) {
+  geometry_msgs::PoseWithCovarianceStamped message;
+  message.header.stamp = stamp;
+  message.header.frame_id = "map";
+  message.pose.pose.orientation.w = 1.0;
+  for (const std::size_t i : {0U, 7U, 35U}) message.pose.covariance[i] = 0.25;
+  return message;
+}
+
 LandmarkDetectionArray detections(const ros::Time& stamp, RandomStream* random) {
   LandmarkDetectionArray message;
   message.header.stamp = stamp;
@@ -138,6 +148,12 @@ TEST(FuzzSlam, DamagedMessagesLeaveAFiniteEstimate) {
       if (round % 2 == 0) spoil(velocities, &of_odometry.header, &random);
       if (round % 2 == 1) spoil(rates, &of_imu.header, &random);
       session.input().add_landmarks(boost::make_shared<LandmarkDetectionArray>(of_landmarks), stamp);
+      auto of_person = person(stamp);
+      double* const places[] = {&of_person.pose.pose.position.x, &of_person.pose.pose.orientation.w,
+                                &of_person.pose.covariance[0], &of_person.pose.covariance[1],
+                                &of_person.pose.covariance[35]};
+      spoil(places, &of_person.header, &random);
+      if (const auto pose = session.input().initial_pose(of_person)) session.set_pose(*pose);
       if (round % 500 > 250) session.input().add_imu(boost::make_shared<sensor_msgs::Imu>(of_imu), stamp);
       session.input().add_odometry(boost::make_shared<nav_msgs::Odometry>(of_odometry), stamp);
       ASSERT_NO_FATAL_FAILURE(expect_sound(session, round)) << association;

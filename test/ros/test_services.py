@@ -9,6 +9,7 @@ import numpy as np
 import rospy
 import rostest
 import yaml
+from diagnostic_msgs.msg import DiagnosticStatus
 from dynamic_reconfigure.client import Client
 from geometry_msgs.msg import PoseWithCovarianceStamped
 
@@ -164,6 +165,40 @@ class MapFiles(SlamCase):
         with open(os.path.join(run.map_directory, "snapshot_of_the_test.yaml"), encoding="utf-8") as file:
             self.assertEqual(yaml.safe_load(file), saved)
 
+    def test_a_map_is_saved_as_often_as_asked_for(self):
+        run = self.start({"map/autosave_period": 0.05, "map/file_name": "kept.yaml"})
+        run.drive(2.0)
+        saved = run.saved_map()
+        kept = os.path.join(run.map_directory, "kept.yaml")
+        wait_until(lambda: os.path.exists(kept) and yaml.safe_load(read(kept)) == saved, "the newest map is in the file")
+        wait_until(lambda: run.diagnostics("estimate").get("autosave") == "saved", "diagnostics say so")
+
+    def test_no_map_is_saved_unasked(self):
+        run = self.start({"map/file_name": "kept.yaml"})
+        run.drive(2.0)
+        run.process.stop()
+        self.assertEqual(os.listdir(run.map_directory), [])
+
+    def test_an_autosave_without_a_landmark_does_not_replace_a_map(self):
+        run = self.start()
+        run.drive(1.0)
+        saved = run.saved_map()
+        idle = self.start({"map/autosave_period": 0.05, "map/file_name": "snapshot_of_the_test.yaml"},
+                          map_directory=run.map_directory)
+        wait_until(lambda: "nothing yet" in idle.diagnostics("estimate").get("autosave", ""), "an autosave came")
+        self.assertEqual(yaml.safe_load(read(os.path.join(run.map_directory, "snapshot_of_the_test.yaml"))), saved)
+
+    def test_an_autosave_that_fails_is_told_and_the_node_goes_on(self):
+        run = self.start({"map/autosave_period": 0.05, "map/directory": "/proc/kinect_ekf_slam"})
+        run.drive(1.0)
+        wait_until(lambda: "cannot be created" in run.diagnostics("estimate").get("autosave", ""), "diagnostics say why")
+        status = run.diagnostics("estimate")
+        self.assertEqual(status["level"], DiagnosticStatus.WARN)
+        self.assertIn("the map is not saved: /proc/kinect_ekf_slam/map.yaml", status["message"])
+        run.drive(1.0)
+        self.assertIn("map/autosave_period: the map is not saved", run.process.said())
+        self.assertLess(run.process.said().count("the map is not saved"), 5, "throttled")
+
     def test_a_folder_that_cannot_be_written_is_told(self):
         run = self.start({"map/directory": "/proc/kinect_ekf_slam"})
         reply = run.save_map("room.yaml")
@@ -312,15 +347,20 @@ class InitialPose(SlamCase):
         message.pose.covariance = covariance.ravel().tolist()
         return message
 
+    @staticmethod
+    def refused(run):
+        """How many diagnostics have counted."""
+        return sum(int(count) for key, count in run.diagnostics("inputs").items() if key.startswith("refused, initialpose"))
+
     def pose_after(self, run, message):
         """Where the robot is when the node has taken the message or has said why not."""
-        lines = run.process.said().count("initialpose: ignored")
+        refused = self.refused(run)
         markers = len(run.markers.messages)
 
         def is_settled():
             moved = any(marker.ns == "robot_position" and marker.pose.position.x > 0.9
                         for array in run.markers.messages[markers:] for marker in array.markers)
-            return moved or run.process.said().count("initialpose: ignored") > lines
+            return moved or self.refused(run) > refused
 
         run.publish("initialpose", message)
         wait_until(is_settled, "the pose was taken or refused")
@@ -351,6 +391,11 @@ class InitialPose(SlamCase):
         run.drive(0.4, look=False)
         self.assert_pose_near(self.pose_after(run, self.message(covariance=np.zeros((6, 6)))), (1.0, 2.0, 0.5), 1e-6)
         self.assertGreater(min(np.diag(matrix(run.pose.last.pose.covariance))[[0, 1, 5]]), 0.01)
+
+    def test_a_slash_before_its_frame_changes_nothing(self):
+        run = self.start(speed=0.0, turn=0.0)
+        run.drive(0.4, look=False)
+        self.assert_pose_near(self.pose_after(run, self.message(frame="/map")), (1.0, 2.0, 0.5), 1e-6)
 
     def test_a_pose_in_another_frame_is_ignored(self):
         for frame in ("odom", "", "world"):

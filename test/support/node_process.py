@@ -18,14 +18,15 @@ def executable(name):
 
 
 class NodeProcess:
-    """A node in a namespace, with `parameters` in its private one."""
+    """A node in a namespace, with `parameters` in its private one; of another build folder than the tests' if one is given."""
 
-    def __init__(self, program, namespace, parameters, remappings=()):
+    def __init__(self, program, namespace, parameters, remappings=(), build=None):
         self.name = namespace + "/" + program
         rospy.set_param(self.name, parameters)
         self._stderr = tempfile.TemporaryFile(mode="w+")
+        command = [os.path.join(build, "devel", "env.sh"), program] if build else [executable(program)]
         self._process = subprocess.Popen(
-            [executable(program), "__ns:=" + namespace, "__name:=" + program, *remappings],
+            [*command, "__ns:=" + namespace, "__name:=" + program, *remappings],
             stdout=subprocess.DEVNULL, stderr=self._stderr)
 
     def said(self):
@@ -39,6 +40,16 @@ class NodeProcess:
     def exit_code(self):
         """Waits for the end."""
         return self._process.wait(timeout=DEADLINE)
+
+    def kill(self):
+        """As a power cut does: the node learns nothing of it."""
+        self._process.kill()
+        self._process.wait()
+
+    def memory(self):
+        """Bytes that it holds now."""
+        with open("/proc/%d/statm" % self._process.pid, encoding="ascii") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGESIZE")
 
     def stop(self):
         if self.is_running():

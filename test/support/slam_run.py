@@ -31,6 +31,12 @@ def default_parameters():
         return yaml.safe_load(file)
 
 
+def read_yaml(path):
+    """By libyaml: yaml's own reader takes seconds for a map."""
+    with open(path, encoding="utf-8") as file:
+        return yaml.load(file, Loader=yaml.CSafeLoader)
+
+
 def with_overrides(parameters, overrides):
     """`overrides`: {"group/key": value}; None takes the key away."""
     result = copy.deepcopy(parameters)
@@ -49,9 +55,9 @@ def with_overrides(parameters, overrides):
 class SlamProcess(NodeProcess):
     """slam_node: config/slam.yaml in its private namespace, and what differs."""
 
-    def __init__(self, namespace, overrides):
+    def __init__(self, namespace, overrides, build=None):
         super().__init__("slam_node", namespace, with_overrides(default_parameters(), overrides),
-                         ("/tf:=%s/tf" % namespace, "/tf_static:=%s/tf_static" % namespace))
+                         ("/tf:=%s/tf" % namespace, "/tf_static:=%s/tf_static" % namespace), build)
 
 
 class SlamRun:
@@ -63,7 +69,8 @@ class SlamRun:
     DEFAULTS = {"output/marker_rate": 50.0, "diagnostic_period": 0.1, "frames/tf_timeout": 5.0,
                 "map/confirm_sightings": 1, "map/remove_after_visits": 0}
 
-    def __init__(self, overrides=None, map_directory=None, start=None, mountings=None, **scenario_options):
+    def __init__(self, overrides=None, map_directory=None, start=None, mountings=None, build=None,
+                 **scenario_options):
         self.namespace = "/run_%d" % next(_numbers)
         self._own_directory = None if map_directory else tempfile.mkdtemp(prefix="slam_maps_")
         self.map_directory = map_directory or self._own_directory
@@ -72,7 +79,7 @@ class SlamRun:
         self._recorders = {}
         self._publish_mountings(mountings or scenario.mountings())
         self.process = SlamProcess(self.namespace,
-                                   {**self.DEFAULTS, "map/directory": self.map_directory, **(overrides or {})})
+                                   {**self.DEFAULTS, "map/directory": self.map_directory, **(overrides or {})}, build)
         self._connect()
 
     def __enter__(self):
@@ -160,8 +167,7 @@ class SlamRun:
         """The map and its whole covariance at this moment, exactly."""
         reply = self.call("save_map", SaveMap, "snapshot_of_the_test.yaml")
         assert reply.success, reply.message
-        with open(reply.message, encoding="utf-8") as file:
-            return yaml.safe_load(file)
+        return read_yaml(reply.message)
 
     # Services ----------------------------------------------------------------------------------------------------
 

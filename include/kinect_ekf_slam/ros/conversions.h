@@ -31,6 +31,9 @@ Eigen::Vector3d to_eigen(const geometry_msgs::Point& point);
 Eigen::Isometry3d to_eigen(const geometry_msgs::Pose& pose);
 Eigen::Isometry3d to_eigen(const geometry_msgs::Transform& transform);
 
+/// A frame's name as tf2 has it: older nodes write a slash before it.
+std::string without_slash(const std::string& frame_id);
+
 /// True for a place that a robot can be at (finite, at most 1e9 m away on each axis) and a quaternion that
 /// can be normalised.
 bool is_pose(const geometry_msgs::Pose& message);

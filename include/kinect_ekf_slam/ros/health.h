@@ -32,6 +32,8 @@ class Health {
   void note_result(const SlamResult& result);
   void note_pose(const Pose3d& pose) { pose_ = pose; }
   void note_map(std::size_t landmarks) { landmarks_ = landmarks; }
+  /// What became of the last autosave, in words.
+  void note_autosave(const std::string& outcome, bool sound);
   void set_state(const std::string& mode, bool paused);
   /// A new run: what was counted of the estimate is forgotten, what was counted of the inputs is not.
   void reset_estimate();
@@ -64,6 +66,8 @@ class Health {
   std::size_t landmarks_ = 0;
   std::string mode_ = "slam";
   bool paused_ = false;
+  std::string autosave_;  ///< what became of the last one; empty: there was none
+  bool autosave_sound_ = true;
 };
 
 }  // namespace kinect_ekf_slam

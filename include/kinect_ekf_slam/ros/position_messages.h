@@ -11,6 +11,7 @@
 
 #include "kinect_ekf_slam/core/local_tangent_plane.h"
 #include "kinect_ekf_slam/core/position.h"
+#include "kinect_ekf_slam/pipeline/slam_result.h"
 
 namespace kinect_ekf_slam {
 
@@ -32,6 +33,11 @@ GlobalPosition to_position(const sensor_msgs::NavSatFix& message, const LocalTan
                            const Eigen::Isometry3d& base_from_antenna, double sigma);
 /// `sigma` 0: a fix without a covariance cannot be used.
 std::optional<MessageProblem> problem_of(const sensor_msgs::NavSatFix& message, double sigma);
+
+/// The robot's pose as RViz gives it. Where the covariance is zero, RViz's own doubt stands: unknown is never
+/// zero.
+Pose3d to_initial_pose(const geometry_msgs::PoseWithCovariance& message);
+std::optional<MessageProblem> problem_of_initial_pose(const geometry_msgs::PoseWithCovariance& message);
 
 std::vector<BeaconRange> to_ranges(const BeaconRanges& message, const Eigen::Isometry3d& base_from_receiver);
 

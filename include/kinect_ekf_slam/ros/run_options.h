@@ -51,6 +51,7 @@ struct MapOptions {
   std::string file_name = "map.yaml";
   bool load_at_start = false;
   bool save_at_exit = false;
+  double autosave_period = 0.0;  ///< s; 0: off
 };
 
 struct OutputOptions {

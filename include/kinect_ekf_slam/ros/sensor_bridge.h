@@ -55,6 +55,9 @@ class SensorBridge {
   bool add_fix(const sensor_msgs::NavSatFix& message, const ros::Time& now);
   bool add_ranges(const BeaconRanges& message, const ros::Time& now);
 
+  /// Where a person says that the robot is; its stamp is of no account. Nothing, and counted: not usable.
+  std::optional<Pose3d> initial_pose(const geometry_msgs::PoseWithCovarianceStamped& message);
+
   /// Forgets stamps and half-formed triples; the counters stay.
   void reset();
 
@@ -105,6 +108,7 @@ class SensorBridge {
   Input position_input_{"global_position"};
   Input fix_input_{"fix"};
   Input ranges_input_{"beacon_ranges"};
+  Input initial_pose_input_{"initialpose"};
   std::map<std::string, std::uint64_t> refusals_;
   std::map<std::string, std::uint64_t> accepted_;
   std::deque<TimeNs> unsynchronized_;  ///< stamps of detections that wait for their odometry

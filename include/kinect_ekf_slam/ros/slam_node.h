@@ -67,6 +67,10 @@ class SlamNode {
   void publish_alignment(const SlamResult& result);
   void publish_scene();
   std::string save(const std::string& file_name);
+  /// Saves map/file_name unasked, and returns its path; without a landmark it saves nothing and returns "":
+  /// a map of an earlier run is worth more than none. Throws MapFileError.
+  std::string save_unless_empty();
+  void autosave();
 
   ros::NodeHandle handle_;
   ros::NodeHandle private_handle_;
@@ -100,6 +104,7 @@ class SlamNode {
   tf2_ros::StaticTransformBroadcaster static_broadcaster_;
   bool is_aligned_ = false;
   ros::Timer scene_timer_;
+  ros::WallTimer autosave_timer_;
   diagnostic_updater::Updater diagnostics_;
   ros::WallTimer diagnostics_timer_;
   boost::recursive_mutex live_mutex_;

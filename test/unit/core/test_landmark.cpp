@@ -33,6 +33,14 @@ TEST(LandmarkInfo, TakesTheLabelThatMostSightingsAgreeOn) {
   EXPECT_EQ(info.label_votes.size(), 2U);
 }
 
+TEST(LandmarkInfo, DoesNotRememberEveryLabelThatADetectorMakesUp) {
+  LandmarkInfo info;
+  for (int i = 0; i < 1000; ++i) info.add(i, signature("made up " + std::to_string(i)));
+  EXPECT_EQ(info.label_votes.size(), 100U);
+  info.add(1000, signature("made up 7"));
+  EXPECT_EQ(info.label(), "made up 7") << "one that is remembered still gets votes";
+}
+
 TEST(LandmarkInfo, KeepsTheFirstIdentityThatWasRead) {
   LandmarkInfo info;
   info.add(1, signature("red"));

@@ -1,6 +1,7 @@
 #include "kinect_ekf_slam/mapping/map_file.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <functional>
@@ -251,6 +252,31 @@ TEST_F(MapFile, IsRefusedWhenItsVotesAreNone) {
 TEST_F(MapFile, IsRefusedWhenTwoLandmarksShareANumber) {
   EXPECT_EQ(refusal_after("{id: 4,", "{id: 1,"), "landmark id 1 is none or used twice");
   EXPECT_EQ(refusal_after("{id: 4,", "{id: -1,"), "landmark id -1 is none or used twice");
+}
+
+TEST_F(MapFile, IsRefusedWhenAKeyIsGivenTwice) {
+  EXPECT_EQ(refusal_after("version: 1\n", "version: 1\nversion: 1\n"),
+            "line 3: key 'version' is given twice");
+  EXPECT_NE(refusal_after("{id: 4,", "{id: 4, id: 5,").find(": key 'id' is given twice"), std::string::npos);
+  EXPECT_NE(refusal_after("label_votes: {", "label_votes: {a: 1, a: 2, ").find(": key 'a' is given twice"),
+            std::string::npos);
+}
+
+TEST_F(MapFile, IsNotReadThroughALinkOrFromAPipe) {
+  write(sample_map());
+  const std::string sound = path_;
+  path_ = folder_ / "link.yaml";
+  std::filesystem::create_symlink(sound, path_);
+  EXPECT_EQ(refusal(), "is not a regular file");
+  path_ = folder_ / "pipe.yaml";
+  ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);  // nobody writes: one that is waited for never opens
+  EXPECT_EQ(refusal(), "is not a regular file");
+}
+
+TEST_F(MapFile, IsRefusedBeforeItIsReadWhenItIsTooLarge) {
+  write(sample_map());
+  std::filesystem::resize_file(path_, (1ULL << 30U) + 1);  // sparse: takes no room
+  EXPECT_EQ(refusal(), "1073741825 bytes, allowed: no more than 1073741824");
 }
 
 TEST_F(MapFile, IsRefusedWhenItsCovarianceIsNone) {

@@ -289,6 +289,20 @@ TEST(Configurations, SayWhatIsWrongWithAFile) {
   EXPECT_EQ(message_of<ParameterError>([&] { read_run_options({"absent.yaml"}, {}, nullptr); }),
             "absent.yaml: cannot be read");
   EXPECT_EQ(refusal_of("[1, 2]"), folder / "a.yaml" + ": not a YAML map of parameter groups");
+  EXPECT_EQ(refusal_of("map:\n  directory: a\n  file_name: b.yaml\n  directory: c\n"),
+            folder / "a.yaml" + ": line 4: key 'directory' is given twice");
+  EXPECT_EQ(refusal_of("fusion:\n  beacons:\n  - {id: 1, xyz: [0, 0, 0], id: 2}\n"),
+            folder / "a.yaml" + ": line 3: key 'id' is given twice");
+  EXPECT_EQ(refusal_of("map: &itself {map: *itself}"), folder / "a.yaml" + ": line 1: nested too deeply");
+  std::string doubled = "a: &a [0, 0, 0, 0, 0, 0, 0, 0, 0, 0]\n";
+  for (char name = 'b'; name < 'g'; ++name) {  // each stands for ten of the one before
+    doubled += std::string(1, name) + ": &" + name + " [";
+    for (int i = 0; i < 10; ++i) doubled += std::string(i > 0 ? ", *" : "*") + static_cast<char>(name - 1);
+    doubled += "]\n";
+  }
+  EXPECT_NE(refusal_of(doubled).find("more than 100000 entries"), std::string::npos) << refusal_of(doubled);
+  EXPECT_EQ(refusal_of("# " + std::string(1 << 20, '.')),
+            folder / "a.yaml" + ": allowed: no more than 1048576 bytes");
   EXPECT_EQ(refusal_of("a: [1").rfind(folder / "a.yaml" + ": not YAML: ", 0), 0U);
   EXPECT_EQ(refusal_of(""), "");
   EXPECT_EQ(message_of<ParameterError>([&] { read_run_options({folder / ""}, {}, nullptr); }),

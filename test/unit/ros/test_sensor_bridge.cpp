@@ -326,6 +326,36 @@ TEST_F(Bridge, RefusesDetectionsWithoutAFrame) {
   EXPECT_EQ(refusals(), (Counts{{"landmarks: frame", 1}}));
 }
 
+TEST_F(Bridge, RefusesMoreThanAnyDetectorSends) {
+  LandmarkDetectionArray crowd = landmarks_message(1.0);
+  crowd.detections.resize(10001);
+  LandmarkDetectionArray wordy = landmarks_message(1.0);
+  wordy.detections[0].label = std::string(1001, 'x');
+  LandmarkDetectionArray detailed = landmarks_message(1.0);
+  detailed.detections[0].descriptor.resize(4097);
+  for (const LandmarkDetectionArray& message : {crowd, wordy, detailed}) EXPECT_FALSE(add(message));
+  EXPECT_EQ(refusals(), Counts({{"landmarks: too large", 3}}));
+  EXPECT_EQ(lines_.front(),
+            "landmarks: message refused, detections: 10001 given, allowed: no more than 10000");
+}
+
+TEST_F(Bridge, APoseFromAPersonNeedsTheMapsFrame) {
+  geometry_msgs::PoseWithCovarianceStamped message = position_message(0.0);
+  for (const std::string frame : {"odom", "", "world", "//map"}) {
+    message.header.frame_id = frame;
+    EXPECT_FALSE(bridge_->initial_pose(message)) << frame;
+  }
+  EXPECT_EQ(refusals(), Counts({{"initialpose: frame", 4}}));
+  for (const std::string frame : {"map", "/map"}) {  // older nodes write a slash
+    message.header.frame_id = frame;
+    message.pose.covariance.assign(0.0);
+    const auto pose = bridge_->initial_pose(message);
+    ASSERT_TRUE(pose) << frame;
+    EXPECT_EQ(pose->map_from_base.translation().x(), 7.0);
+    EXPECT_GT(pose->covariance.diagonal().minCoeff(), 0.05) << "unknown is never zero";
+  }
+}
+
 TEST_F(Bridge, RefusesStampsThatCannotBe) {
   EXPECT_FALSE(odometry(0.0));
   EXPECT_TRUE(odometry(10.0, 10.0));
