@@ -110,6 +110,7 @@ def main():
         after = put(after, "hard study", fenced(output_of(ENVIRONMENT, "slam_study", "room", "--world", "config/worlds/room_hard.yaml")))
         after = put(after, "consistency", fenced(consistency_figures()))
         after = put(after, "real data", fenced(output_of("scripts/evaluate_real_data.py", "--estimators")))
+        after = put(after, "refined", fenced(output_of("scripts/evaluate_real_data.py", "--refine")))
         after = put(after, "withheld", fenced(output_of("scripts/evaluate_withheld.py")))
         after = put(after, "demo", fenced(demo_summary()))
         after = put(after, "benchmark", fenced(benchmark_tables()))

@@ -32,18 +32,35 @@ bool in_range(const Detection& detection, const SensorOptions& options) {
          std::abs(point.x()) <= options.max_lateral;
 }
 
-Detection with_noise(const Detection& detection, const SensorOptions& options) {
+double obliquity(const Eigen::Vector3d& point_in_optical) {
+  constexpr double kLargest = 10.0;  // beyond that it says nothing of the distance
+  const double depth = point_in_optical.z();
+  const double distance = point_in_optical.norm();
+  return distance >= kLargest * depth ? kLargest - 1.0 : distance / depth - 1.0;
+}
+
+Detection with_range_corrected(const Detection& detection, const SensorOptions& options) {
+  const double factor =
+      options.range_scale * (1.0 + options.depth_share * obliquity(detection.position_in_optical));
   Detection corrected = detection;
-  const Eigen::Vector3d shift_in_optical = (options.range_scale - 1.0) * detection.position_in_optical;
+  const Eigen::Vector3d shift_in_optical = (factor - 1.0) * detection.position_in_optical;
   corrected.position_in_optical += shift_in_optical;
   corrected.position_in_base += detection.base_from_optical * shift_in_optical;
+  return corrected;
+}
 
-  const bool carries_none = detection.covariance_in_base.isZero(0.0);
-  if (options.noise_source == SensorOptions::NoiseSource::kModel || carries_none) {
-    corrected.covariance_in_base = detection.base_from_optical *
-                                   model_covariance(corrected.position_in_optical, options) *
-                                   detection.base_from_optical.transpose();
+Eigen::Matrix3d sighting_covariance(const Detection& corrected, const SensorOptions& options) {
+  const bool carries_none = corrected.covariance_in_base.isZero(0.0);
+  if (options.noise_source == SensorOptions::NoiseSource::kMessage && !carries_none) {
+    return corrected.covariance_in_base;
   }
+  return corrected.base_from_optical * model_covariance(corrected.position_in_optical, options) *
+         corrected.base_from_optical.transpose();
+}
+
+Detection with_noise(const Detection& detection, const SensorOptions& options) {
+  Detection corrected = with_range_corrected(detection, options);
+  corrected.covariance_in_base = sighting_covariance(corrected, options);
   return corrected;
 }
 

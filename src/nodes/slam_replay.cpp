@@ -10,12 +10,16 @@
 namespace {
 
 constexpr const char* kUsage =
-    "usage: slam_replay BAG [--config FILE.yaml] [--out DIR] [--set group/key=value ...]\n"
+    "usage: slam_replay BAG [--config FILE.yaml] [--out DIR [--refine]] [--set group/key=value ...]\n"
     "\n"
     "Runs a recorded bag through the SLAM pipeline as fast as it can, without a ROS master.\n"
     "  --config FILE.yaml      parameters that differ from config/slam.yaml; may be given more than once\n"
     "  --out DIR               write trajectory, landmarks, associations, the map, parameters and a summary\n"
     "                          there\n"
+    "  --refine                also find the most probable path, map and calibration given the whole run, "
+    "and\n"
+    "                          write them to DIR/refined in the same files, with calibration.yaml and\n"
+    "                          refinement.json\n"
     "  --set group/key=value   one parameter, over all files\n"
     "  --parameters            list all parameters as Markdown and exit\n"
     "Exit: 0 done, 2 the input cannot be used (one line says why).\n";
@@ -24,6 +28,7 @@ struct Arguments {
   std::string bag;
   std::vector<std::string> configs;
   std::string output;
+  bool refine = false;
   std::vector<std::string> settings;
 };
 
@@ -38,6 +43,17 @@ void print_parameters() {
 
 void warn(const std::string& line) { std::fprintf(stderr, "slam_replay: warning: %s\n", line.c_str()); }
 
+void print_refinement(const kinect_ekf_slam::RefinementReport& report, const std::string& output) {
+  for (const std::string& line : report.warnings) warn(line);
+  std::printf(
+      "refined in %.1f s: %zu of %zu sightings doubted, the path %.3f m and the landmarks %.3f m (RMS) from "
+      "the "
+      "filter's; written to %s/refined\n",
+      report.seconds, report.doubted, report.sightings, report.path_difference, report.landmark_difference,
+      output.c_str());
+  for (const std::string& line : report.calibration) std::printf("  %s\n", line.c_str());
+}
+
 Arguments parse(kinect_ekf_slam::CommandLine* words) {
   Arguments arguments;
   while (words->next()) {
@@ -49,6 +65,8 @@ Arguments parse(kinect_ekf_slam::CommandLine* words) {
       arguments.configs.push_back(words->value());
     } else if (word == "--out") {
       arguments.output = words->value();
+    } else if (word == "--refine") {
+      arguments.refine = true;
     } else if (word == "--set") {
       const std::vector<std::string> settings = words->assignments();
       arguments.settings.insert(arguments.settings.end(), settings.begin(), settings.end());
@@ -61,6 +79,8 @@ Arguments parse(kinect_ekf_slam::CommandLine* words) {
     }
   }
   if (arguments.bag.empty()) words->fail("no bag given; see --help");
+  if (arguments.refine && arguments.output.empty())
+    words->fail("--refine: needs a folder to write to, --out DIR");
   return arguments;
 }
 
@@ -73,6 +93,7 @@ int main(int argc, char** argv) {
     kinect_ekf_slam::ReplayRequest request;
     request.bag = arguments.bag;
     request.output_directory = arguments.output;
+    request.refine = arguments.refine;
     request.options = kinect_ekf_slam::read_run_options(arguments.configs, arguments.settings,
                                                         [&request](const std::string& line) {
                                                           warn(line);
@@ -86,6 +107,7 @@ int main(int argc, char** argv) {
         "%.0f s of data in %.2f s (%.0f times real time): %zu landmarks from %zu detection messages%s%s\n",
         report.data_seconds, report.wall_seconds, report.data_seconds / report.wall_seconds, report.landmarks,
         report.detection_frames, arguments.output.empty() ? "" : "; written to ", arguments.output.c_str());
+    if (report.refinement) print_refinement(*report.refinement, arguments.output);
   } catch (const std::exception& error) {
     words.fail(error.what());
   }

@@ -8,6 +8,7 @@
 
 #include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/mapping/slam_factory.h"
+#include "kinect_ekf_slam/models/held_motion.h"
 #include "kinect_ekf_slam/pipeline/position_updates.h"
 #include "kinect_ekf_slam/pipeline/relocalizer.h"
 
@@ -57,11 +58,8 @@ class Motion {
     const TimeNs start = std::exchange(now_, started_ ? std::max(stamp, now_) : stamp);
     const double dt = to_seconds(now_ - start);
     if (!std::exchange(started_, true) || dt <= 0.0) return std::nullopt;
-    const double held = std::min(dt, conditioner_.hold_time(start));
-    MotionStep<Space> step;
-    if (held > 0.0) step = motion_step<Space>(conditioner_.velocity(start), held, options_);
-    if (held < dt) step.covariance += unknown_motion(dt - std::max(held, 0.0));
-    return step;
+    return held_motion_step<Space>(conditioner_.velocity(start), conditioner_.hold_time(start), dt,
+                                   conditioner_.last_odometry(), options_);
   }
 
   TimeNs now() const { return now_; }
@@ -71,11 +69,6 @@ class Motion {
   void set_options(const MotionOptions& options) { options_ = options; }
 
  private:
-  /// Without odometry nobody knows the motion: taken for none, give or take the last velocity each second.
-  typename Space::PoseMatrix unknown_motion(double dt) const {
-    return (Space::twist(conditioner_.last_odometry()).cwiseAbs2() * dt).asDiagonal();
-  }
-
   InputConditioner conditioner_;
   MotionOptions options_;
   TimeNs now_ = 0;

@@ -133,6 +133,10 @@ class Replay {
     if (!request.output_directory.empty()) {
       writer_ = std::make_unique<RunWriter>(request.output_directory, request.options.output.trajectory_rate);
     }
+    if (request.refine) {
+      require_refining(request.options);
+      recorder_ = std::make_unique<RunRecorder>(request.options.pipeline.input);
+    }
     make_session();
   }
 
@@ -176,6 +180,7 @@ class Replay {
       write_map(request_.output_directory + "/map.yaml", request_.options.frames.map,
                 session_->pipeline().save(), request_.options.text);
     }
+    if (recorder_) refine();
     return report_;
   }
 
@@ -192,6 +197,7 @@ class Replay {
       ++report_.new_runs;
       buffer_.clear();  // mountings that are static stay
       if (writer_) writer_->restart();
+      if (recorder_) recorder_->restart();
     };
     session_ = std::make_unique<SlamSession>(
         request_.options,
@@ -199,6 +205,12 @@ class Replay {
           return lookup_transform(buffer_, target, source, stamp);
         },
         std::move(handlers));
+  }
+
+  void refine() {
+    const FinishedRun run{*recorder_, writer_->associations(), session_->pipeline().map(), summary_};
+    report_.refinement =
+        refine_run(run, request_.options, request_.output_directory + "/refined", request_.on_progress);
   }
 
   void add_position_warnings(std::vector<std::string>* lines) const {
@@ -250,6 +262,7 @@ class Replay {
 
   void on_result(const SensorFrame& frame, const SlamResult& result) {
     if (writer_) writer_->add(frame, result);
+    if (recorder_) recorder_->add(frame, result);
     for (const PositionOutcome& outcome : result.positions) ++position_verdicts_[outcome.verdict];
     is_aligned_ = is_aligned_ || result.map_from_global;
     if (result.looked || !result.positions.empty()) {
@@ -297,6 +310,7 @@ class Replay {
   const Topics& topics_;
   tf2::BufferCore buffer_;
   std::unique_ptr<RunWriter> writer_;
+  std::unique_ptr<RunRecorder> recorder_;  ///< for a refinement
   std::unique_ptr<SlamSession> session_;
   Clock::time_point message_start_;
   RunWriter::Summary summary_;

@@ -101,6 +101,8 @@ void visit(Visitor& v, SensorOptions& o) {
   v.number("sensor/max_depth", &o.max_depth, 0.0, kInfinity, "m", "farther detections are dropped");
   v.number("sensor/max_lateral", &o.max_lateral, 0.0, kInfinity, "m", "detections further aside are dropped");
   v.number("sensor/range_scale", &o.range_scale, 0.1, 10.0, "-", "true distance over the measured one");
+  v.number("sensor/depth_share", &o.depth_share, 0.0, 1.5, "-",
+           "0: the measured distance is that to the landmark; 1: it is the depth, along the optical axis");
   v.integer("sensor/max_detections", &o.max_detections, 1, 10000, "detections",
             "of one message that are used; further ones are refused, so that no message stops the node");
   v.number("sensor/correlation_time", &o.correlation_time, 0.0, 1e4, "s",

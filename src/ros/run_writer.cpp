@@ -164,6 +164,10 @@ void RunWriter::restart() {
 
 RunWriter::~RunWriter() = default;
 
+bool RunWriter::wants_pose(TimeNs stamp, bool looked) const {
+  return !has_written_ || (stamp > last_written_ && (looked || stamp - last_written_ >= period_));
+}
+
 void RunWriter::add(const SensorFrame& frame, const SlamResult& result) {
   ++frames_;
   if (result.looked) ++detection_frames_;
@@ -178,7 +182,7 @@ void RunWriter::add(const SensorFrame& frame, const SlamResult& result) {
   for (const PositionOutcome& outcome : result.positions) add_position(frame.stamp, outcome);
   if (!result.finite) return;
   const TimeNs stamp = result.pose.stamp;
-  if (has_written_ && (stamp <= last_written_ || (!result.looked && stamp - last_written_ < period_))) return;
+  if (!wants_pose(stamp, result.looked)) return;
   has_written_ = true;
   last_written_ = stamp;
   append_pose(&trajectory_.text, stamp, result.pose.map_from_base);

@@ -8,6 +8,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 
 import evaluate_real_data as real  # noqa: E402
+from slam_tools.refinements import means  # noqa: E402
 
 DATA = real.default_data()
 
@@ -29,6 +30,17 @@ class RealData(unittest.TestCase):
         self.assertLessEqual(real.mean(results, "pose_nees_mean"), 5.0)
         for result in results:
             self.assertEqual((result["landmarks_estimated"], result["landmarks_missed"]), (15, 0))
+
+    def test_a_refined_run_is_near_the_limit(self):
+        results = real.refined(DATA, self.out, "mrclam6")
+        _, path, _, landmarks = means(results)
+        self.assertLessEqual(path, 0.10)
+        self.assertLessEqual(landmarks, 0.06)
+        for result in results:   # what the robots have in common, and what was never told: their cameras measure depth
+            calibration = result["refinement"]["calibration"]
+            self.assertAlmostEqual(calibration["sensor/depth_share"]["value"], 0.9, delta=0.15)
+            self.assertAlmostEqual(calibration["input/angular_scale"]["value"], 0.937, delta=0.02)
+            self.assertLessEqual(result["refinement"]["seconds"], 60.0)
 
     def test_most_misread_identities_are_caught(self):
         """That no robot is worse than without the check is printed by --misread, and not yet so."""

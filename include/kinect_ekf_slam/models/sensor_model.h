@@ -13,6 +13,8 @@ struct SensorOptions {
   double max_depth = 2.6;    ///< m
   double max_lateral = 2.5;  ///< m
   double range_scale = 1.0;  ///< true distance over measured distance
+  /// 0: the measured distance is that to the point; 1: it is the depth, the distance along the optical axis.
+  double depth_share = 0.0;
 
   int max_detections = 200;  ///< of one message that are used: the joint update grows with their cube
 
@@ -37,8 +39,17 @@ struct SensorOptions {
 /// True inside the range gate.
 bool in_range(const Detection& detection, const SensorOptions& options);
 
-/// The detection with its distance from the sensor corrected by `range_scale`, and with the covariance to
-/// use.
+/// How much farther than along the optical axis a point in the optical frame is, less one: zero on the axis.
+double obliquity(const Eigen::Vector3d& point_in_optical);
+
+/// The detection with its distance from the sensor corrected by `range_scale` and `depth_share`:
+/// range_scale (1 + depth_share obliquity) times the measured one.
+Detection with_range_corrected(const Detection& detection, const SensorOptions& options);
+
+/// R of a detection whose distance is corrected, m^2 in the base's axes; zero where the model does not hold.
+Eigen::Matrix3d sighting_covariance(const Detection& corrected, const SensorOptions& options);
+
+/// The detection with its distance corrected, and with the covariance to use.
 Detection with_noise(const Detection& detection, const SensorOptions& options);
 
 }  // namespace kinect_ekf_slam

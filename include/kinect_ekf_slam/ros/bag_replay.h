@@ -3,16 +3,19 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "kinect_ekf_slam/ros/run_options.h"
+#include "kinect_ekf_slam/ros/run_refiner.h"
 
 namespace kinect_ekf_slam {
 
 struct ReplayRequest {
   std::string bag;
   std::string output_directory;  ///< empty: write nothing
+  bool refine = false;           ///< also write the batch optimum, to `refined` in the output directory
   RunOptions options;
   std::vector<std::string> warnings;        ///< of the options, one line each, to be kept with the results
   std::function<void(double)> on_progress;  ///< share done, 0 to 1; may be empty
@@ -27,6 +30,7 @@ struct ReplayReport {
   std::size_t new_runs = 0;  ///< times that the bag's clock went back; files and map are of the last run
   std::map<std::string, std::uint64_t> refusals;  ///< "input: reason" -> messages refused for it
   std::vector<std::string> warnings;              ///< what was odd about the bag, one line each
+  std::optional<RefinementReport> refinement;
 };
 
 /// Runs a bag through the same session as the live node: no master, no wall clock.

@@ -47,11 +47,7 @@ class RunWriter {
   void write_beacons(const std::vector<Landmark3d>& beacons);
   void finish(const std::vector<Landmark3d>& map, const Summary& summary);
 
- private:
-  struct File {
-    std::string name;
-    std::string text;
-  };
+  /// What became of a detection.
   struct AssociationRow {
     TimeNs stamp;
     int detection;
@@ -59,6 +55,16 @@ class RunWriter {
     Verdict verdict;
     int landmark;
     double nis;
+  };
+  /// As known at the end, ordered by stamp and detection; once finished.
+  const std::vector<AssociationRow>& associations() const { return rows_; }
+  /// True when a pose of this stamp would be written.
+  bool wants_pose(TimeNs stamp, bool looked) const;
+
+ private:
+  struct File {
+    std::string name;
+    std::string text;
   };
   void settle_rows(const std::vector<Landmark3d>& map);
   void revise(const SlamResult& result);
