@@ -15,6 +15,8 @@ packages=(
   build-essential git cmake clang-format clang-tidy catkin catkin-lint doxygen graphviz
   # core
   libeigen3-dev libyaml-cpp-dev
+  # the batch optimum
+  libceres-dev
   # perception
   libopencv-dev libcv-bridge-dev libimage-transport-dev libimage-geometry-dev
   # ROS 1 libraries and messages

@@ -142,6 +142,55 @@ TEST_F(BagReplay, WritesItsFiles) {
   }
 }
 
+TEST_F(BagReplay, RefinesARunIntoTheSameFiles) {
+  write_run();
+  request_.refine = true;
+  ReplayReport report;
+  try {
+    report = replay_bag(request_);
+  } catch (const std::runtime_error& error) {
+    if (std::string(error.what()).find("without Ceres") != std::string::npos) GTEST_SKIP() << error.what();
+    throw;
+  }
+  ASSERT_TRUE(report.refinement.has_value());
+  EXPECT_EQ(report.refinement->sightings, 50U);
+  EXPECT_EQ(report.refinement->doubted, 0U);
+  EXPECT_LT(report.refinement->path_difference, 0.05);
+  EXPECT_EQ(report.refinement->calibration.size(), 8U);
+  for (const char* name :
+       {"trajectory.tum", "trajectory_covariance.csv", "dead_reckoning.tum", "landmarks.csv",
+        "associations.csv", "summary.json", "refinement.json", "calibration.yaml"}) {
+    EXPECT_NE(out(std::string("refined/") + name), "") << name;
+  }
+  for (const char* name : {"trajectory.tum", "landmarks.csv", "associations.csv"}) {
+    EXPECT_EQ(lines(out(std::string("refined/") + name)), lines(out(name))) << name;
+  }
+  // What it found is a configuration.
+  const std::string calibration = request_.output_directory + "/refined/calibration.yaml";
+  request_.options = read_run_options({calibration}, {"association/type=known"},
+                                      [](const std::string& line) { ADD_FAILURE() << line; });
+  EXPECT_NEAR(request_.options.pipeline.input.linear_scale, 1.0, 0.05);
+}
+
+TEST_F(BagReplay, RefinesOnlyRunsThatMakeTheirMap) {
+  write_run();
+  request_.refine = true;
+  set({"mode=localization"});
+  EXPECT_EQ(refusal().rfind("--refine: ", 0), 0U) << refusal();
+}
+
+TEST_F(BagReplay, SaysWhatARefinementLacks) {
+  rosbag::Bag bag(request_.bag, rosbag::bagmode::Write);
+  for (int i = 0; i < kSteps; ++i)
+    bag.write("/odom", ros::Time(kStart + 0.05 * i), odometry(kStart + 0.05 * i));
+  bag.close();
+  request_.refine = true;
+  const std::string line = refusal();
+  EXPECT_TRUE(line.find("no sighting of a landmark") != std::string::npos ||
+              line.find("without Ceres") != std::string::npos)
+      << line;
+}
+
 TEST_F(BagReplay, FollowsTheRobot) {
   write_run();
   replay_bag(request_);

@@ -148,5 +148,20 @@ TEST(RangeScale, StretchesTheRayFromTheSensorNotFromTheRobot) {
   EXPECT_TRUE(MatrixNear(detection.position_in_optical, 1.1 * point, 1e-12));
 }
 
+TEST(DepthShare, MakesADistanceOfADepth) {
+  SensorOptions options;
+  options.depth_share = 1.0;
+  const Eigen::Vector3d point(1.0, 0.5, 2.0);
+  const double depth = 2.0;
+  const Eigen::Vector3d told = depth * point.normalized();  // the right direction, the depth for a distance
+  EXPECT_TRUE(MatrixNear(with_range_corrected(seen_at(told), options).position_in_optical, point, 1e-12));
+  const Eigen::Vector3d ahead(0.0, 0.0, 2.0);
+  EXPECT_TRUE(MatrixNear(with_range_corrected(seen_at(ahead), options).position_in_optical, ahead, 0.0));
+  options.depth_share = 0.0;
+  EXPECT_TRUE(MatrixNear(with_range_corrected(seen_at(told), options).position_in_optical, told, 0.0));
+  EXPECT_TRUE(obliquity({1.0, 0.0, -1.0}) > 1.0 && obliquity({1.0, 0.0, 0.0}) > 1.0)
+      << "finite beside and behind";
+}
+
 }  // namespace
 }  // namespace kinect_ekf_slam
