@@ -3,7 +3,9 @@
 
   scripts/update_readme.py            the table of parameters
   scripts/update_readme.py --check    fails when that table is not what the programs say
-  scripts/update_readme.py --figures  also runs the demo, the study, the real data, GPS withheld and the benchmark, and puts in their last output
+  scripts/update_readme.py --figures [NAME ...]
+                                      also runs the demo, the studies, the real data, GPS withheld and the benchmark, or only those named
+                                      as their marks in README.md, and puts in their last output
   scripts/update_readme.py --dates    when the figures were measured, into docs/results.md
 """
 import argparse
@@ -36,6 +38,7 @@ FIGURES = (
     ("demo", "the demo", "`scripts/demo.sh`", "`bags/room.bag`, `config/slam.yaml`"),
     ("real data", "recorded data by others", "`scripts/evaluate_real_data.py --estimators`",
      "`config/mrclam.yaml`, `mrclam_unknown.yaml`, `turtlebot3.yaml`, `victoria_park.yaml`, `husky.yaml`"),
+    ("refined", "the batch optimum", "`scripts/evaluate_real_data.py --refine`", "`config/mrclam.yaml`"),
     ("study", "the simulated room", "`slam_study room --seeds 100`", "`config/worlds/room.yaml`, `config/slam.yaml`"),
     ("hard study", "the room on a bad day", "`slam_study room --world config/worlds/room_hard.yaml`", "`config/slam.yaml`"),
     ("consistency", "whether the covariance tells the truth", "`slam_study consistency`", "the textbook's noise, 50 seeds"),
@@ -93,10 +96,24 @@ def consistency_figures():
     return "\n".join(tables)
 
 
+# What stands between the marks of README.md.
+MEASURED = {
+    "study": lambda: output_of(ENVIRONMENT, "slam_study", "room", "--seeds", "100"),
+    "hard study": lambda: output_of(ENVIRONMENT, "slam_study", "room", "--world", "config/worlds/room_hard.yaml"),
+    "consistency": consistency_figures,
+    "real data": lambda: output_of("scripts/evaluate_real_data.py", "--estimators"),
+    "refined": lambda: output_of("scripts/evaluate_real_data.py", "--refine"),
+    "withheld": lambda: output_of("scripts/evaluate_withheld.py"),
+    "demo": demo_summary,
+    "benchmark": benchmark_tables,
+}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="change nothing, fail when the table is out of date")
-    parser.add_argument("--figures", action="store_true", help="also measure anew (minutes)")
+    parser.add_argument("--figures", nargs="*", choices=MEASURED, metavar="NAME",
+                        help="also measure anew (minutes), all or those named: " + ", ".join(MEASURED))
     parser.add_argument("--dates", action="store_true", help="tell in docs/results.md when the figures last changed")
     arguments = parser.parse_args()
     if arguments.dates:
@@ -105,21 +122,15 @@ def main():
     with open(README, encoding="utf-8") as file:
         before = file.read()
     after = put(before, "parameters", output_of(ENVIRONMENT, "slam_replay", "--parameters"))
-    if arguments.figures:
-        after = put(after, "study", fenced(output_of(ENVIRONMENT, "slam_study", "room", "--seeds", "100")))
-        after = put(after, "hard study", fenced(output_of(ENVIRONMENT, "slam_study", "room", "--world", "config/worlds/room_hard.yaml")))
-        after = put(after, "consistency", fenced(consistency_figures()))
-        after = put(after, "real data", fenced(output_of("scripts/evaluate_real_data.py", "--estimators")))
-        after = put(after, "refined", fenced(output_of("scripts/evaluate_real_data.py", "--refine")))
-        after = put(after, "withheld", fenced(output_of("scripts/evaluate_withheld.py")))
-        after = put(after, "demo", fenced(demo_summary()))
-        after = put(after, "benchmark", fenced(benchmark_tables()))
+    if arguments.figures is not None:
+        for name in arguments.figures or MEASURED:
+            after = put(after, name, fenced(MEASURED[name]()))
     if arguments.check:
         if after != before:
             sys.exit("update_readme.py: README.md is not what slam_replay --parameters prints; run scripts/update_readme.py")
         return
     write(README, after)
-    if arguments.figures:
+    if arguments.figures is not None:
         write_dates()
 
 
