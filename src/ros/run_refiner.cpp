@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <ctime>
 #include <map>
 #include <sstream>
@@ -12,6 +11,7 @@
 #include "kinect_ekf_slam/core/atomic_file.h"
 #include "kinect_ekf_slam/core/chi_square.h"
 #include "kinect_ekf_slam/pipeline/pose_3d.h"
+#include "kinect_ekf_slam/ros/calibration_report.h"
 #include "kinect_ekf_slam/smoothing/batch.h"
 
 namespace kinect_ekf_slam {
@@ -22,23 +22,6 @@ double wall_seconds() {
   clock_gettime(CLOCK_MONOTONIC, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
-
-std::string text_of(const char* format, double value) {
-  char buffer[64];
-  std::snprintf(buffer, sizeof(buffer), format, value);
-  return buffer;
-}
-
-/// An unknown of the calibration as a user reads it.
-struct CalibratedValue {
-  std::string name;  ///< the parameter's, where there is one
-  std::string unit;
-  double configured = 0.0;
-  double value = 0.0;
-  double sigma = 0.0;
-  double prior_sigma = 0.0;
-  bool is_parameter = true;
-};
 
 /// Root mean square, of what is added.
 class Rms {
@@ -86,11 +69,11 @@ class Refiner {
     }
     report.seconds = wall_seconds() - start;
     write_run(result, directory, report);
-    const std::vector<CalibratedValue> values = calibrated(result);
-    for (const CalibratedValue& value : values) report.calibration.push_back(line(value));
+    const std::vector<CalibratedValue> values = calibrated_values(result, batch_options_.prior, options_);
+    for (const CalibratedValue& value : values) report.calibration.push_back(calibration_line(value));
     report.path_difference = path_difference_.value();
     report.landmark_difference = landmark_difference_.value();
-    write_file_atomically(directory + "/calibration.yaml", calibration_yaml(values));
+    write_file_atomically(directory + "/calibration.yaml", calibration_yaml(values, run_.summary.bag));
     write_file_atomically(directory + "/refinement.json", json(result, values, report));
     return report;
   }
@@ -193,90 +176,6 @@ class Refiner {
     turn_difference_.add(Eigen::AngleAxisd(change.linear()).angle());
   }
 
-  std::vector<CalibratedValue> calibrated(const BatchResult<Space>& result) const {
-    const Calibration<Space> prior = sigmas<Space>(batch_options_.prior);
-    const Eigen::VectorXd found = result.calibration_covariance.diagonal().cwiseSqrt();
-    const InputOptions& input = options_.pipeline.input;
-    const SensorOptions& sensor = options_.pipeline.sensor;
-    const auto scale = [&found](const std::string& name, double configured, double log_scale, int index,
-                                double sigma) {
-      const double value = configured * std::exp(log_scale);
-      return CalibratedValue{name, "", configured, value, value * found(index), configured * sigma};
-    };
-    const auto& motion = result.calibration.motion;
-    const auto& unknowns = result.calibration.sensor;
-    std::vector<CalibratedValue> values = {
-        scale("input/linear_scale", input.linear_scale, motion(kLogLinearScale), kLogLinearScale,
-              prior.motion(kLogLinearScale)),
-        scale("input/angular_scale", input.angular_scale, motion(kLogAngularScale), kLogAngularScale,
-              prior.motion(kLogAngularScale)),
-        {"input/odometry_delay", "s", options_.sync.odometry_delay,
-         options_.sync.odometry_delay + motion(kDelay), found(kDelay), prior.motion(kDelay)},
-        range_scale(result, prior.sensor(kLogRangeScale)),
-        {"sensor/depth_share", "", sensor.depth_share, unknowns(kDepthShare),
-         found(kMotionUnknowns + kDepthShare), prior.sensor(kDepthShare)}};
-    const char* const names[] = {"sensor x",    "sensor y",     "sensor z",
-                                 "sensor roll", "sensor pitch", "sensor yaw"};
-    for (int i = 0; i < Space::kPoseDim; ++i) {
-      const bool is_place = i < Space::kPointDim;
-      const double unit = is_place ? 1.0 : degrees(1.0);
-      values.push_back({names[Space::kPoseAxes[i]], is_place ? "m" : "deg", 0.0,
-                        unit * unknowns(kMounting + i), unit * found(kMotionUnknowns + kMounting + i),
-                        unit * prior.sensor(kMounting + i), false});
-    }
-    return values;
-  }
-
-  /// The parameter: on the sensor's axis, while the calibration's is that of the mean sighting.
-  CalibratedValue range_scale(const BatchResult<Space>& result, double prior_sigma) const {
-    const SensorOptions& sensor = options_.pipeline.sensor;
-    const double mean = 1.0 + result.calibration.sensor(kDepthShare) * result.mean_obliquity;
-    const double value = sensor.range_scale * std::exp(result.calibration.sensor(kLogRangeScale)) *
-                         (1.0 + sensor.depth_share * result.mean_obliquity) / mean;
-    const Eigen::Vector2d by_unknowns(value, -value * result.mean_obliquity / mean);
-    static_assert(kDepthShare == kLogRangeScale + 1);
-    const Eigen::Matrix2d covariance = result.calibration_covariance.template block<2, 2>(
-        kMotionUnknowns + kLogRangeScale, kMotionUnknowns + kLogRangeScale);
-    return {"sensor/range_scale",
-            "",
-            sensor.range_scale,
-            value,
-            std::sqrt(by_unknowns.dot(covariance * by_unknowns)),
-            sensor.range_scale * prior_sigma};
-  }
-
-  static std::string line(const CalibratedValue& value) {
-    return value.name +
-           std::string(std::max<std::size_t>(22, value.name.size() + 1) - value.name.size(), ' ') +
-           text_of("%9.4f", value.value) + text_of(" +- %.4f", value.sigma) +
-           (value.unit.empty() ? "" : " ") + value.unit + text_of(", configured %g", value.configured) +
-           text_of(" +- %.3g", value.prior_sigma);
-  }
-
-  std::string calibration_yaml(const std::vector<CalibratedValue>& values) const {
-    std::string text = "# Found by slam_replay --refine in " + run_.summary.bag +
-                       ".\n# Parameters for other runs of this robot: a further --config, after the one that "
-                       "this run had.\n";
-    std::string group;
-    std::string rest;
-    for (const CalibratedValue& value : values) {
-      if (!value.is_parameter) {
-        rest += "#   " + line(value) + "\n";
-        continue;
-      }
-      const std::size_t slash = value.name.find('/');
-      if (value.name.substr(0, slash) != group) {
-        group = value.name.substr(0, slash);
-        text += group + ":\n";
-      }
-      text += "  " + value.name.substr(slash + 1) + ": " + text_of("%.6g", value.value) +
-              text_of("  # +- %.2g", value.sigma) + (value.unit.empty() ? "" : " ") + value.unit + "\n";
-    }
-    return text +
-           "# No parameters, but where the sensor stands besides what tf says, in the axes of the base:\n" +
-           rest;
-  }
-
   std::string json(const BatchResult<Space>& result, const std::vector<CalibratedValue>& values,
                    const RefinementReport& report) const {
     std::ostringstream json;
@@ -284,14 +183,9 @@ class Refiner {
     json << "{\n  \"seconds\": " << report.seconds << ",\n  \"rounds\": " << result.rounds
          << ",\n  \"converged\": " << (result.converged ? "true" : "false")
          << ",\n  \"cost\": " << result.cost << ",\n  \"sightings\": " << report.sightings
-         << ",\n  \"sightings_doubted\": " << report.doubted << ",\n  \"calibration\": {";
-    for (const CalibratedValue& value : values) {
-      json << (&value == values.data() ? "" : ",") << "\n    \"" << value.name
-           << "\": {\"value\": " << value.value << ", \"sigma\": " << value.sigma
-           << ", \"configured\": " << value.configured << ", \"prior_sigma\": " << value.prior_sigma
-           << ", \"unit\": \"" << value.unit << "\"}";
-    }
-    json << "\n  },\n  \"from_filter\": {\"path_rms_m\": " << path_difference_.value()
+         << ",\n  \"sightings_doubted\": " << report.doubted
+         << ",\n  \"calibration\": " << calibration_json(values)
+         << ",\n  \"from_filter\": {\"path_rms_m\": " << path_difference_.value()
          << ", \"path_max_m\": " << path_difference_.largest()
          << ", \"turn_rms_deg\": " << degrees(turn_difference_.value())
          << ", \"landmark_rms_m\": " << landmark_difference_.value()
