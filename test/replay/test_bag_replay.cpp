@@ -179,6 +179,21 @@ TEST_F(BagReplay, RefinesOnlyRunsThatMakeTheirMap) {
   EXPECT_EQ(refusal().rfind("--refine: ", 0), 0U) << refusal();
 }
 
+TEST_F(BagReplay, SaysThatPositionsDoNotEnterARefinement) {
+  write_run();
+  add_positions();
+  request_.refine = true;
+  try {
+    const ReplayReport report = replay_bag(request_);
+    ASSERT_TRUE(report.refinement.has_value());
+    const std::vector<std::string> expected = {"positions and ranges to beacons do not enter the refinement"};
+    EXPECT_EQ(report.refinement->warnings, expected);
+  } catch (const std::runtime_error& error) {
+    if (std::string(error.what()).find("without Ceres") != std::string::npos) GTEST_SKIP() << error.what();
+    throw;
+  }
+}
+
 TEST_F(BagReplay, SaysWhatARefinementLacks) {
   rosbag::Bag bag(request_.bag, rosbag::bagmode::Write);
   for (int i = 0; i < kSteps; ++i)
