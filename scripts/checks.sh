@@ -21,7 +21,8 @@ check() {
     echo "ok      $name"
     cases+="<testcase classname='checks' name='$name'/>"
   else
-    echo "FAILED  $name"; head -n 30 "$log/$name.log"
+    echo "FAILED  $name"
+    { grep -E '(error|warning):' "$log/$name.log" || cat "$log/$name.log"; } | head -n 30
     cases+="<testcase classname='checks' name='$name'><failure message='see build/checks/$name.log'/></testcase>"
   fi
 }

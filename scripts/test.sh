@@ -33,7 +33,7 @@ $quick && checks+=(--quick)
 build/devel/env.sh "${checks[@]}"
 
 step "unit, contract, replay and ROS tests"
-build/devel/env.sh ctest --test-dir build -j"$JOBS" --output-on-failure >build/ctest.log 2>&1 || grep -E 'FAILED|Failed|\*\*\*|FAIL:|Error' build/ctest.log | sort -u | head -n 40
+build/devel/env.sh ctest --test-dir build -j"$JOBS" --output-on-failure --output-junit test_results/ctest.xml >build/ctest.log 2>&1 || grep -E 'FAILED|Failed|\*\*\*|FAIL:|Error' build/ctest.log | sort -u | head -n 40
 tail -n 12 build/ctest.log
 
 step "Python tests"

@@ -77,7 +77,14 @@ void SlamNode::connect() {
   odometry_publisher_ = private_handle_.advertise<nav_msgs::Odometry>(names::kOdometry, 10);
   path_publisher_ = private_handle_.advertise<nav_msgs::Path>(names::kPath, 1);
   map_publisher_ = private_handle_.advertise<LandmarkMap>(names::kMap, 1, true);
-  marker_publisher_ = private_handle_.advertise<visualization_msgs::MarkerArray>(names::kMarkers, 1, true);
+  // Markers are drawn for those who look at them, and at once for who comes: the timer stands still when the
+  // clock does.
+  const auto show = [this](const ros::SingleSubscriberPublisher& /*subscriber*/) {
+    scene_changed_ = true;
+    publish_scene();
+  };
+  marker_publisher_ =
+      private_handle_.advertise<visualization_msgs::MarkerArray>(names::kMarkers, 1, show, {}, {}, true);
   association_publisher_ = private_handle_.advertise<AssociationArray>(names::kAssociations, 10);
   services_ = {private_handle_.advertiseService(names::kSaveMap, &SlamNode::save_map, this),
                private_handle_.advertiseService(names::kLoadMap, &SlamNode::load_map, this),
@@ -308,6 +315,7 @@ void SlamNode::publish_scene() {
     path_message_.header.stamp = to_ros(scene.pose.stamp);
     path_publisher_.publish(path_message_);
   }
+  if (marker_publisher_.getNumSubscribers() == 0) return;
   scene.outcomes = last_outcomes_;
   scene.path = path_.points();
   scene.dead_reckoned_path = dead_reckoned_path_.points();
