@@ -63,8 +63,8 @@ BuoyWorld::BuoyWorld(const BuoyScenario& scenario, std::uint64_t seed)
   place_landmarks(seed);
   // Buoys on the surface and on the ground by turns, so that they span space.
   for (int i = 0; i < 6; ++i) {
-    const Eigen::Vector3d place(30.0 * static_cast<double>(i / 2 - 1), i % 2 == 0 ? -25.0 : 25.0,
-                                (i / 2 + i) % 2 == 0 ? 0.0 : -20.0);
+    const int row = i / 2 - 1;
+    const Eigen::Vector3d place(30.0 * row, i % 2 == 0 ? -25.0 : 25.0, (i / 2 + i) % 2 == 0 ? 0.0 : -20.0);
     beacons_[i] = {place, Eigen::Matrix3d::Identity() * 1e-8};
   }
 }
