@@ -6,10 +6,12 @@
   scripts/update_readme.py --figures [NAME ...]
                                       also runs the demo, the studies, the real data, GPS withheld and the benchmark, or only those named
                                       as their marks in README.md, and puts in their last output
+  scripts/update_readme.py --faults FILE.json   puts in what scripts/faults.py --json FILE.json has written
   scripts/update_readme.py --dates    when the figures were measured, into docs/results.md
 """
 import argparse
 import datetime
+import json
 import os
 import re
 import subprocess
@@ -109,11 +111,19 @@ MEASURED = {
 }
 
 
+def table_of_faults(path):
+    sys.path.insert(0, os.path.join(ROOT, "test", "faults"))
+    from row import Row, table
+    with open(path, encoding="utf-8") as file:
+        return table([Row(**row) for row in json.load(file).values()])
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="change nothing, fail when the table is out of date")
     parser.add_argument("--figures", nargs="*", choices=MEASURED, metavar="NAME",
                         help="also measure anew (minutes), all or those named: " + ", ".join(MEASURED))
+    parser.add_argument("--faults", metavar="FILE.json", help="also the table of faults, of that file")
     parser.add_argument("--dates", action="store_true", help="tell in docs/results.md when the figures last changed")
     arguments = parser.parse_args()
     if arguments.dates:
@@ -125,6 +135,8 @@ def main():
     if arguments.figures is not None:
         for name in arguments.figures or MEASURED:
             after = put(after, name, fenced(MEASURED[name]()))
+    if arguments.faults:
+        after = put(after, "faults", table_of_faults(arguments.faults))
     if arguments.check:
         if after != before:
             sys.exit("update_readme.py: README.md is not what slam_replay --parameters prints; run scripts/update_readme.py")

@@ -12,6 +12,7 @@
 #include "kinect_ekf_slam/core/atomic_file.h"
 #include "kinect_ekf_slam/core/bounded_file.h"
 #include "kinect_ekf_slam/core/compatibility.h"
+#include "kinect_ekf_slam/core/one_line.h"
 #include "kinect_ekf_slam/core/space.h"
 #include "kinect_ekf_slam/mapping/yaml_keys.h"
 
@@ -184,9 +185,8 @@ std::string MapDirectory::resolve(const std::string& file_name) const {
                         std::none_of(file_name.begin(), file_name.end(), is_control) &&
                         file_name.compare(file_name.size() - ending.size(), ending.size(), ending) == 0;
   if (!is_plain) {
-    std::string shown = file_name;
-    std::replace_if(shown.begin(), shown.end(), is_control, '?');
-    throw MapFileError("'" + shown + "': a map's name is a plain file name that ends in .yaml, in " + path_);
+    throw MapFileError("'" + one_line(file_name) +
+                       "': a map's name is a plain file name that ends in .yaml, in " + path_);
   }
   const fs::path path = fs::path(path_) / file_name;
   std::error_code error;

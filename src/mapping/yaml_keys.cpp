@@ -1,22 +1,15 @@
 #include "kinect_ekf_slam/mapping/yaml_keys.h"
 
-#include <algorithm>
 #include <set>
+
+#include "kinect_ekf_slam/core/one_line.h"
 
 namespace kinect_ekf_slam {
 namespace {
 
+constexpr std::size_t kLongestShown = 60;
 constexpr int kMostLevels = 8;
 constexpr int kMostNodes = 100000;
-
-/// As a message shows it: short, and on one line.
-std::string shown(std::string key) {
-  constexpr std::size_t kLongest = 60;
-  if (key.size() > kLongest) key = key.substr(0, kLongest) + "...";
-  std::replace_if(
-      key.begin(), key.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
-  return key;
-}
 
 std::string at(const YAML::Node& node, const std::string& what) {
   return "line " + std::to_string(node.Mark().line + 1) + ": " + what;
@@ -43,7 +36,8 @@ std::string repeated_key(const YAML::Node& map) {
   for (const auto& entry : map) {
     const YAML::Node& key = entry.first;
     if (!key.IsScalar()) return at(key, "a key is not plain text");
-    if (!keys.insert(key.Scalar()).second) return at(key, "key '" + shown(key.Scalar()) + "' is given twice");
+    if (!keys.insert(key.Scalar()).second)
+      return at(key, "key '" + one_line(key.Scalar(), kLongestShown) + "' is given twice");
   }
   return "";
 }

@@ -11,6 +11,7 @@ namespace {
 using diagnostic_msgs::DiagnosticStatus;
 
 constexpr double kSilence = 3.0;      // s without odometry before that is a warning
+constexpr double kLongWait = 0.5;     // s in the queue before that is a warning
 constexpr double kNisMemory = 50.0;   // updates
 constexpr double kNisTooLarge = 3.0;  // mean of nu^T S^-1 nu per degree of freedom
 
@@ -30,8 +31,9 @@ const char* to_string(Localization localization) {
 
 }  // namespace
 
-void Health::note_input(const std::string& input, const ros::Time& now) {
+void Health::note_input(const std::string& input, const ros::Time& now, const ros::Time& received) {
   Input& entry = inputs_[input];
+  entry.longest_wait = std::max(entry.longest_wait, (now - received).toSec());
   entry.last = now;
   ++entry.since_report;
 }
@@ -92,6 +94,12 @@ void Health::report_inputs(const SensorBridge& bridge, const ros::Time& now,
     status.addf(name + " rate (Hz)", "%.1f", static_cast<double>(input.since_report) / elapsed);
     status.add(name + " age of the last (s)",
                input.last.isZero() ? std::string("never came") : std::to_string((now - input.last).toSec()));
+    status.addf(name + " longest wait (s)", "%.3f", input.longest_wait);
+    if (input.longest_wait > kLongWait) {
+      status.summary(DiagnosticStatus::WARN,
+                     "messages on " + topic + " wait: more come than the node can use");
+    }
+    input.longest_wait = 0.0;
     const std::uint64_t refused = refused_of[name];
     const std::uint64_t newly_refused = refused - std::min(refused, input.refused);
     if (newly_refused > 1 && newly_refused >= input.since_report)

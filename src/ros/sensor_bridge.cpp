@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "kinect_ekf_slam/core/one_line.h"
 #include "kinect_ekf_slam/ros/conversions.h"
 
 namespace kinect_ekf_slam {
@@ -83,7 +84,7 @@ void SensorBridge::reset() {
 
 bool SensorBridge::refuse(const Input& input, const std::string& reason, const std::string& detail) {
   ++refusals_[input.name + ": " + reason];
-  if (handlers_.on_refusal) handlers_.on_refusal(input.name + ": message refused, " + detail);
+  if (handlers_.on_refusal) handlers_.on_refusal(one_line(input.name + ": message refused, " + detail));
   return false;
 }
 

@@ -162,40 +162,45 @@ std::optional<Eigen::Isometry3d> SlamNode::base_from(const std::string& target, 
   return transform;
 }
 
-void SlamNode::on_odometry(const nav_msgs::Odometry::ConstPtr& message) {
+void SlamNode::on_odometry(const Event<nav_msgs::Odometry>& event) {
   const ros::Time time = now();
-  if (!session_.input().add_odometry(message, time)) return;
-  health_.note_input("odometry", time);
-  publish_pose(*message);
+  if (!session_.input().add_odometry(event.getConstMessage(), time)) return;
+  health_.note_input("odometry", time, event.getReceiptTime());
+  publish_pose(*event.getConstMessage());
 }
 
-void SlamNode::on_imu(const sensor_msgs::Imu::ConstPtr& message) {
+void SlamNode::on_imu(const Event<sensor_msgs::Imu>& event) {
   const ros::Time time = now();
-  if (session_.input().add_imu(message, time)) health_.note_input("imu", time);
+  if (session_.input().add_imu(event.getConstMessage(), time))
+    health_.note_input("imu", time, event.getReceiptTime());
 }
 
-void SlamNode::on_landmarks(const LandmarkDetectionArray::ConstPtr& message) {
+void SlamNode::on_landmarks(const Event<LandmarkDetectionArray>& event) {
   const ros::Time time = now();
   if (paused_) return;
-  if (session_.input().add_landmarks(message, time)) health_.note_input("landmarks", time);
+  if (session_.input().add_landmarks(event.getConstMessage(), time))
+    health_.note_input("landmarks", time, event.getReceiptTime());
 }
 
-void SlamNode::on_position(const geometry_msgs::PoseWithCovarianceStamped::ConstPtr& message) {
+void SlamNode::on_position(const Event<geometry_msgs::PoseWithCovarianceStamped>& event) {
   const ros::Time time = now();
   if (paused_) return;
-  if (session_.input().add_position(*message, time)) health_.note_input("global_position", time);
+  if (session_.input().add_position(*event.getConstMessage(), time))
+    health_.note_input("global_position", time, event.getReceiptTime());
 }
 
-void SlamNode::on_fix(const sensor_msgs::NavSatFix::ConstPtr& message) {
+void SlamNode::on_fix(const Event<sensor_msgs::NavSatFix>& event) {
   const ros::Time time = now();
   if (paused_) return;
-  if (session_.input().add_fix(*message, time)) health_.note_input("fix", time);
+  if (session_.input().add_fix(*event.getConstMessage(), time))
+    health_.note_input("fix", time, event.getReceiptTime());
 }
 
-void SlamNode::on_ranges(const BeaconRanges::ConstPtr& message) {
+void SlamNode::on_ranges(const Event<BeaconRanges>& event) {
   const ros::Time time = now();
   if (paused_) return;
-  if (session_.input().add_ranges(*message, time)) health_.note_input("beacon_ranges", time);
+  if (session_.input().add_ranges(*event.getConstMessage(), time))
+    health_.note_input("beacon_ranges", time, event.getReceiptTime());
 }
 
 void SlamNode::on_initial_pose(const geometry_msgs::PoseWithCovarianceStamped::ConstPtr& message) {

@@ -1,8 +1,10 @@
 /// Damaged messages through the whole of perception, built with AddressSanitizer: what cannot be used is
 /// refused with a reason, what can be used gives finite findings, and nothing reads where it must not.
+/// FUZZ_ROUNDS says how many pictures.
 #include <gtest/gtest.h>
 
 #include <boost/make_shared.hpp>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 
@@ -20,7 +22,11 @@ namespace {
 
 constexpr int kWidth = 160;
 constexpr int kHeight = 120;
-constexpr int kPictures = 400;
+
+int rounds() {
+  const char* given = std::getenv("FUZZ_ROUNDS");
+  return given != nullptr ? std::atoi(given) : 400;
+}
 
 /// The messages of one picture. Depth and disparity alike are its second image.
 struct Messages {
@@ -156,7 +162,7 @@ TEST_P(DamagedMessages, AreRefusedWithAReasonOrGiveFiniteFindings) {
   PictureDetector detector(options);
   int used = 0;
   int refused = 0;
-  for (int i = 0; i < kPictures; ++i) {
+  for (int i = 0; i < rounds(); ++i) {
     RandomStream random(static_cast<std::uint64_t>(i), 0);
     Messages messages = sound(&random);
     damage(&random, &messages);
@@ -172,8 +178,8 @@ TEST_P(DamagedMessages, AreRefusedWithAReasonOrGiveFiniteFindings) {
       ++refused;
     }
   }
-  EXPECT_GT(used, kPictures / 10);
-  EXPECT_GT(refused, kPictures / 10);
+  EXPECT_GT(used, rounds() / 10);
+  EXPECT_GT(refused, rounds() / 10);
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryDetector, DamagedMessages,

@@ -28,7 +28,8 @@ class Health {
   Health(Expectation expectation, const ros::Time& start)
       : expectation_(std::move(expectation)), start_(start), last_report_(start) {}
 
-  void note_input(const std::string& input, const ros::Time& now);
+  /// A message that is used; `received`: when it came to the node, where it waits for its turn.
+  void note_input(const std::string& input, const ros::Time& now, const ros::Time& received);
   void note_result(const SlamResult& result);
   void note_pose(const Pose3d& pose) { pose_ = pose; }
   void note_map(std::size_t landmarks) { landmarks_ = landmarks; }
@@ -46,6 +47,7 @@ class Health {
   struct Input {
     ros::Time last;
     std::uint64_t since_report = 0;
+    double longest_wait = 0.0;  ///< s, since the last report
     std::uint64_t refused = 0;  ///< at the last report
   };
 

@@ -7,6 +7,7 @@
 #include <kinect_ekf_slam/SetMode.h>
 #include <kinect_ekf_slam/SlamConfig.h>
 #include <nav_msgs/Path.h>
+#include <ros/message_event.h>
 #include <ros/ros.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
@@ -37,18 +38,22 @@ class SlamNode {
   void shut_down();
 
  private:
+  /// A message, and when it came.
+  template <class Message>
+  using Event = ros::MessageEvent<Message const>;
+
   void connect();
   /// Notices a clock that went back (simulated time), and starts anew then.
   ros::Time now();
   std::optional<Eigen::Isometry3d> base_from(const std::string& target, const std::string& source,
                                              const ros::Time& stamp);
 
-  void on_odometry(const nav_msgs::Odometry::ConstPtr& message);
-  void on_imu(const sensor_msgs::Imu::ConstPtr& message);
-  void on_landmarks(const LandmarkDetectionArray::ConstPtr& message);
-  void on_position(const geometry_msgs::PoseWithCovarianceStamped::ConstPtr& message);
-  void on_fix(const sensor_msgs::NavSatFix::ConstPtr& message);
-  void on_ranges(const BeaconRanges::ConstPtr& message);
+  void on_odometry(const Event<nav_msgs::Odometry>& event);
+  void on_imu(const Event<sensor_msgs::Imu>& event);
+  void on_landmarks(const Event<LandmarkDetectionArray>& event);
+  void on_position(const Event<geometry_msgs::PoseWithCovarianceStamped>& event);
+  void on_fix(const Event<sensor_msgs::NavSatFix>& event);
+  void on_ranges(const Event<BeaconRanges>& event);
   void on_initial_pose(const geometry_msgs::PoseWithCovarianceStamped::ConstPtr& message);
   void on_result(const SensorFrame& frame, const SlamResult& result);
   void on_live_change(SlamConfig* config);

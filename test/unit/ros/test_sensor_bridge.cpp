@@ -326,6 +326,14 @@ TEST_F(Bridge, RefusesDetectionsWithoutAFrame) {
   EXPECT_EQ(refusals(), (Counts{{"landmarks: frame", 1}}));
 }
 
+TEST_F(Bridge, WhatMessagesSayIsShownOnOneShortLine) {
+  nav_msgs::Odometry message = odometry_message(1.0);
+  message.header.frame_id = "a\nb" + std::string(100000, 'x');
+  EXPECT_FALSE(add(message));
+  EXPECT_EQ(lines_.front().find("odometry: message refused, frames 'a?bxx"), 0U);
+  EXPECT_LT(lines_.front().size(), 400U);
+}
+
 TEST_F(Bridge, RefusesMoreThanAnyDetectorSends) {
   LandmarkDetectionArray crowd = landmarks_message(1.0);
   crowd.detections.resize(10001);
