@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Style and structure: clang-format, clang-tidy, catkin_lint, who may include what. Writes build/test_results/checks.xml.
 #   build/devel/env.sh scripts/checks.sh [--quick|--all]
-# clang-tidy has two minutes, the sources that changed last first; --quick leaves it out, --all lets it see every source.
+# clang-tidy has a minute, the sources that changed last first; --quick leaves it out, --all lets it see every source.
 set -uo pipefail
 case ${1:-} in
   ''|--quick|--all) ;;
@@ -74,7 +74,7 @@ check headers_stand_alone headers_stand_alone
 check docs scripts/build_docs.sh   # links, anchors, and what Doxygen warns of
 check readme_parameters scripts/update_readme.py --check
 if [ "${1:-}" != --quick ]; then
-  seconds=120
+  seconds=60
   [ "${1:-}" = --all ] && seconds=86400
   check clang_tidy tidy "$seconds"
   echo "        clang_tidy saw $(grep -c '^fine: ' "$log/clang_tidy.log") of $(newest_first | wc -l) sources without a finding"

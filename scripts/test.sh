@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs everything that can fail and ends with the line `N passed, N failed, N skipped`.
-#   scripts/test.sh [--quick]     --quick leaves out clang-tidy (two minutes, newest sources first)
+#   scripts/test.sh [--quick]     --quick leaves out clang-tidy (a minute, newest sources first)
 # Recorded data by others are found through SLAM_DATA; without them their tests are skipped, visibly.
 set -uo pipefail
 quick=false
