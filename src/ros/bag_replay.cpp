@@ -125,6 +125,8 @@ void add_transforms(const rosbag::MessageInstance& instance, bool is_static, tf2
   for (const auto& transform : message->transforms) buffer->setTransform(transform, "bag", is_static);
 }
 
+std::string refined_folder(const ReplayRequest& request) { return request.output_directory + "/refined"; }
+
 /// One run through a bag that is open and understood.
 class Replay {
  public:
@@ -175,6 +177,7 @@ class Replay {
       summary_.data_seconds = report_.data_seconds;
       summary_.refusals = session_->input().refusals();
       summary_.accepted = session_->input().accepted();
+      remove_run(refined_folder(request_));
       writer_->write_beacons(session_->pipeline().beacons());
       writer_->finish(session_->pipeline().map(), summary_);
       write_map(request_.output_directory + "/map.yaml", request_.options.frames.map,
@@ -209,8 +212,7 @@ class Replay {
 
   void refine() {
     const FinishedRun run{*recorder_, writer_->associations(), session_->pipeline().map(), summary_};
-    report_.refinement =
-        refine_run(run, request_.options, request_.output_directory + "/refined", request_.on_progress);
+    report_.refinement = refine_run(run, request_.options, refined_folder(request_), request_.on_progress);
   }
 
   void add_position_warnings(std::vector<std::string>* lines) const {

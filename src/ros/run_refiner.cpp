@@ -222,7 +222,7 @@ RefinementReport refine_run(const FinishedRun& run, const RunOptions& options, c
       return Refiner<Spatial>(run, options).refine(directory, on_progress);
     }
     return Refiner<Planar>(run, options).refine(directory, on_progress);
-  } catch (const std::invalid_argument& error) {
+  } catch (const std::exception& error) {
     throw std::runtime_error(std::string("--refine: ") + error.what());
   }
 }

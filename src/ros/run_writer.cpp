@@ -310,4 +310,11 @@ void RunWriter::finish(const std::vector<Landmark3d>& map, const Summary& summar
   }
 }
 
+void remove_run(const std::string& directory) {
+  std::error_code error;
+  if (!std::filesystem::exists(directory + "/trajectory.tum", error)) return;
+  std::filesystem::remove_all(directory, error);
+  if (error) throw std::runtime_error(directory + ": cannot be removed: " + error.message());
+}
+
 }  // namespace kinect_ekf_slam

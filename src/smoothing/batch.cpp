@@ -27,7 +27,7 @@ template <class Matrix>
 Matrix whitening_of(const Matrix& covariance) {
   const Eigen::LLT<Matrix> root(covariance);
   if (root.info() != Eigen::Success) {
-    throw std::runtime_error("batch optimum: a covariance of the run is not positive definite");
+    throw std::runtime_error("a covariance of the run is not positive definite");
   }
   return root.matrixL().solve(Matrix::Identity());
 }
@@ -42,9 +42,8 @@ class Batch {
 
   Batch(const RecordedRun<Space>& run, const BatchOptions& options)
       : run_(run), options_(options), odometry_(run.velocities, options.motion) {
-    if (run.path.empty()) throw std::invalid_argument("batch optimum: the run has no path");
-    if (run.sightings.empty())
-      throw std::invalid_argument("batch optimum: the run has no sighting of a landmark");
+    if (run.path.empty()) throw std::invalid_argument("the run has no path");
+    if (run.sightings.empty()) throw std::invalid_argument("the run has no sighting of a landmark");
     place_knots();
     landmarks_ = run.landmarks_in_map;
     calibration_.sensor(kDepthShare) = options.sensor.depth_share;
@@ -116,7 +115,7 @@ class Batch {
     const auto knot = std::lower_bound(knots_.begin(), knots_.end(), stamp,
                                        [](const Knot& k, TimeNs time) { return k.stamp < time; });
     if (knot == knots_.end() || knot->stamp != stamp) {
-      throw std::invalid_argument("batch optimum: the run's path has no pose at a sighting's stamp");
+      throw std::invalid_argument("the run's path has no pose at a sighting's stamp");
     }
     return *knot;
   }
@@ -136,7 +135,7 @@ class Batch {
     solver.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     ceres::Solve(solver, problem_.get(), &summary);
-    if (!summary.IsSolutionUsable()) throw std::runtime_error("batch optimum: " + summary.message);
+    if (!summary.IsSolutionUsable()) throw std::runtime_error(summary.message);
     const double gain = std::abs(cost_ - summary.final_cost);
     cost_ = summary.final_cost;
     const Calibration<Space> sigma = sigmas<Space>(options_.prior);
@@ -256,8 +255,7 @@ class Batch {
     }
     ceres::Covariance covariance{ceres::Covariance::Options()};
     if (!covariance.Compute(blocks, problem_.get())) {
-      throw std::runtime_error(
-          "batch optimum: its covariance cannot be computed; the run does not tell all unknowns");
+      throw std::runtime_error("the covariance cannot be computed; the run does not tell all unknowns");
     }
     read_calibration(covariance);
     for (const Point& landmark : landmarks_) {

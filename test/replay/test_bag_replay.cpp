@@ -9,6 +9,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "kinect_ekf_slam/ros/parameters.h"
 #include "test/support/temporary_folder.h"
@@ -201,9 +202,21 @@ TEST_F(BagReplay, SaysWhatARefinementLacks) {
   bag.close();
   request_.refine = true;
   const std::string line = refusal();
-  EXPECT_TRUE(line.find("no sighting of a landmark") != std::string::npos ||
+  EXPECT_TRUE(line == "--refine: the run has no sighting of a landmark" ||
               line.find("without Ceres") != std::string::npos)
       << line;
+}
+
+TEST_F(BagReplay, TakesAwayWhatAnEarlierRunWasRefinedTo) {
+  write_run();
+  const std::string refined = request_.output_directory + "/refined";
+  std::filesystem::create_directories(refined);
+  write_text(refined + "/notes.txt", "no run: somebody else's");
+  replay_bag(request_);
+  EXPECT_TRUE(std::filesystem::exists(refined + "/notes.txt"));
+  write_text(refined + "/trajectory.tum", "");
+  replay_bag(request_);
+  EXPECT_FALSE(std::filesystem::exists(refined));
 }
 
 TEST_F(BagReplay, FollowsTheRobot) {

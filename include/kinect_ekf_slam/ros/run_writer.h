@@ -97,4 +97,8 @@ class RunWriter {
   File summary_{"summary.json", ""};
 };
 
+/// Removes the folder of an earlier run with all that is in it; one that holds no `trajectory.tum` is
+/// somebody else's and stays. Throws std::runtime_error, naming the folder, when it cannot be removed.
+void remove_run(const std::string& directory);
+
 }  // namespace kinect_ekf_slam

@@ -206,11 +206,11 @@ TEST(Batch, SaysWhatARunLacks) {
   RecordedRun<Planar> run = scenario.run;
   run.sightings.clear();
   EXPECT_EQ(message_of<std::invalid_argument>([&] { batch_optimum(run, scenario.options); }),
-            "batch optimum: the run has no sighting of a landmark");
+            "the run has no sighting of a landmark");
   run = scenario.run;
   run.path.clear();
   EXPECT_EQ(message_of<std::invalid_argument>([&] { batch_optimum(run, scenario.options); }),
-            "batch optimum: the run has no path");
+            "the run has no path");
 }
 
 }  // namespace
