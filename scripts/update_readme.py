@@ -44,6 +44,7 @@ FIGURES = (
     ("study", "the simulated room", "`slam_study room --seeds 100`", "`config/worlds/room.yaml`, `config/slam.yaml`"),
     ("hard study", "the room on a bad day", "`slam_study room --world config/worlds/room_hard.yaml`", "`config/slam.yaml`"),
     ("consistency", "whether the covariance tells the truth", "`slam_study consistency`", "the textbook's noise, 50 seeds"),
+    ("global map", "several maps, one frame", "`slam_study global`", "buoys and landmarks in parts of the way, 50 seeds"),
     ("benchmark", "time and memory", "`scripts/benchmark.sh --mrpt`", "8 landmarks in view, identities known"),
 )
 
@@ -103,6 +104,7 @@ MEASURED = {
     "study": lambda: output_of(ENVIRONMENT, "slam_study", "room", "--seeds", "100"),
     "hard study": lambda: output_of(ENVIRONMENT, "slam_study", "room", "--world", "config/worlds/room_hard.yaml"),
     "consistency": consistency_figures,
+    "global map": lambda: output_of(ENVIRONMENT, "slam_study", "global"),
     "real data": lambda: output_of("scripts/evaluate_real_data.py", "--estimators"),
     "refined": lambda: output_of("scripts/evaluate_real_data.py", "--refine"),
     "withheld": lambda: output_of("scripts/evaluate_withheld.py"),

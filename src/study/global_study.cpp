@@ -23,9 +23,7 @@ AssociationOptions association() {
 }
 
 std::unique_ptr<LocalMaps<Spatial>> make_slam_of(const BuoyWorld& world) {
-  EstimatorOptions estimator;  // the textbook's: no precaution against what does not happen here
-  estimator.robust_threshold = 0.0;
-  estimator.replace_after = 0;
+  const EstimatorOptions estimator;  // as shipped: what is taken for a neighbour now and then pulls little
   LocalMapOptions local_maps;
   local_maps.min_matches = 2;
   local_maps.max_position_sigma = 0.5;

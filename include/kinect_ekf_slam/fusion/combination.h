@@ -22,7 +22,7 @@ struct Combination {
   std::optional<Gaussian<Dim>> fused;  ///< nothing: they do not overlap
 };
 
-/// Covariance-weighted fusion of independent estimates, equations (12.4) and (12.5): P = (P_b^-1 +
+/// Covariance-weighted fusion of independent estimates, equations (13.7) and (13.8): P = (P_b^-1 +
 /// P_c^-1)^-1, x = P (P_b^-1 b + P_c^-1 c), computed in the Kalman form, which needs no inverse. They overlap
 /// when their squared distance lies below the chi-square quantile of `gate_probability`; never, when P_b +
 /// P_c is singular.
@@ -41,7 +41,7 @@ Combination<Dim> combine(const Gaussian<Dim>& first, const Gaussian<Dim>& second
   return result;
 }
 
-/// Covariance intersection, equation (12.6), of estimates whose correlation nobody knows: P^-1 = w P_b^-1 +
+/// Covariance intersection, equation (13.9), of estimates whose correlation nobody knows: P^-1 = w P_b^-1 +
 /// (1 - w) P_c^-1 with the w in [0, 1] of the least determinant. Its covariance is never too small, whatever
 /// the correlation. (Julier and Uhlmann, American Control Conference 1997.) Both covariances are positive
 /// definite.

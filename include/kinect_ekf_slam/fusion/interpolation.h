@@ -10,12 +10,12 @@
 
 namespace kinect_ekf_slam {
 
-/// Lagrange's weights xi_i of samples taken at `samples`, for the time `stamp`, equation (12.1). They sum to
+/// Lagrange's weights xi_i of samples taken at `samples`, for the time `stamp`, equation (13.4). They sum to
 /// one; two samples give the straight line, three the parabola. Throws std::invalid_argument when there is no
 /// sample or two have one time.
 Eigen::VectorXd lagrange_weights(TimeNs stamp, const std::vector<TimeNs>& samples);
 
-/// x(t) = sum xi_i x_i and P(t) = sum xi_i^2 P_i, equation (12.2), of samples whose errors are independent.
+/// x(t) = sum xi_i x_i and P(t) = sum xi_i^2 P_i, equation (13.5), of samples whose errors are independent.
 /// Outside of the samples' times the weights, and so the covariance, grow fast. Throws as lagrange_weights
 /// does.
 template <int Dim>
@@ -33,7 +33,7 @@ Gaussian<Dim> interpolate(const std::vector<Stamped<Gaussian<Dim>>>& samples, Ti
 }
 
 /// The same for poses: positions as above; turns on the manifold, R(t) = R_m Exp(sum xi_i Log(R_m^T R_i))
-/// with m the middle one of the samples (the first of two), equation (12.3). The samples' turns differ by
+/// with m the middle one of the samples (the first of two), equation (13.6). The samples' turns differ by
 /// less than half a turn.
 template <class Space>
 PoseEstimate<Space> interpolate(const std::vector<Stamped<PoseEstimate<Space>>>& samples, TimeNs stamp);
