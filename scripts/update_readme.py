@@ -46,6 +46,7 @@ FIGURES = (
     ("consistency", "whether the covariance tells the truth", "`slam_study consistency`", "the textbook's noise, 50 seeds"),
     ("global map", "several maps, one frame", "`slam_study global`", "buoys and landmarks in parts of the way, 50 seeds"),
     ("benchmark", "time and memory", "`scripts/benchmark.sh --mrpt`", "8 landmarks in view, identities known"),
+    ("node", "how soon the node answers", "`scripts/benchmark.sh --node`", "`bags/room.bag`, `config/slam.yaml`"),
 )
 
 
@@ -110,6 +111,7 @@ MEASURED = {
     "withheld": lambda: output_of("scripts/evaluate_withheld.py"),
     "demo": demo_summary,
     "benchmark": benchmark_tables,
+    "node": lambda: output_of("scripts/benchmark.sh", "--node"),
 }
 
 
