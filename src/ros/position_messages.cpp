@@ -111,6 +111,14 @@ std::optional<MessageProblem> problem_of(const sensor_msgs::NavSatFix& message, 
   return std::nullopt;
 }
 
+std::optional<MessageProblem> problem_of_distance(const Eigen::Vector3d& position) {
+  constexpr double kFarthest =
+      1e5;  // m; there the plane is 800 m above the ground, and 1 in 10,000 too short
+  if (position.norm() <= kFarthest) return std::nullopt;
+  return MessageProblem{"far from the datum", "it is " + std::to_string(std::lround(1e-3 * position.norm())) +
+                                                  " km from the datum, allowed: 100 km; see fusion/datum"};
+}
+
 Pose3d to_initial_pose(const geometry_msgs::PoseWithCovariance& message) {
   Pose3d pose;
   pose.map_from_base = to_eigen(message.pose);

@@ -264,8 +264,11 @@ bool SensorBridge::add_position(const geometry_msgs::PoseWithCovarianceStamped& 
 }
 
 bool SensorBridge::add_fix(const sensor_msgs::NavSatFix& message, const ros::Time& now) {
-  const auto base_from_antenna = admit(fix_input_, message.header, without_slash(message.header.frame_id),
-                                       problem_of(message, fusion_.fix_sigma), now);
+  std::optional<MessageProblem> problem = problem_of(message, fusion_.fix_sigma);
+  if (!problem && plane_)
+    problem = problem_of_distance((*plane_)({message.latitude, message.longitude, message.altitude}));
+  const auto base_from_antenna =
+      admit(fix_input_, message.header, without_slash(message.header.frame_id), problem, now);
   if (!base_from_antenna) return false;
   if (!plane_) plane_.emplace(Geodetic{message.latitude, message.longitude, message.altitude});
   SensorFrame frame;

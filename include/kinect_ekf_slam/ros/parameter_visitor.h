@@ -149,7 +149,7 @@ class ParameterVisitor {
         fail(key, item, allowed);
       }
       constexpr int kLargestId = 1000000;
-      const bool is_known = is_triple(xyz) && beacon.sigma > 0.0 && beacon.sigma <= 1e3;
+      const bool is_known = item.size() == 3 && is_triple(xyz) && beacon.sigma > 0.0 && beacon.sigma <= 1e3;
       if (beacon.id < 0 || beacon.id > kLargestId || !is_known || !ids.insert(beacon.id).second) {
         fail(key, item, allowed);
       }

@@ -33,6 +33,9 @@ GlobalPosition to_position(const sensor_msgs::NavSatFix& message, const LocalTan
                            const Eigen::Isometry3d& base_from_antenna, double sigma);
 /// `sigma` 0: a fix without a covariance cannot be used.
 std::optional<MessageProblem> problem_of(const sensor_msgs::NavSatFix& message, double sigma);
+/// A plane is no picture of the Earth: a fix more than 100 km from the datum cannot be used. `position` m in
+/// the plane.
+std::optional<MessageProblem> problem_of_distance(const Eigen::Vector3d& position);
 
 /// The robot's pose as RViz gives it. Where the covariance is zero, RViz's own doubt stands: unknown is never
 /// zero.

@@ -64,6 +64,7 @@ TEST(Parameters, SayWhichBeaconOrDatumCannotBe) {
       "fusion/beacons: '{id: 3, xyz: [4, 2, 0], sigma: 0.1}' given, allowed: a list of {id, xyz: [m], "
       "sigma: m}, no id twice, sigma more than 0");
   EXPECT_NE(refusal("fusion/beacons=[{id: 3, xyz: [1, 2, 0], sigma: 0}]"), "");
+  EXPECT_NE(refusal("fusion/beacons=[{id: 3, xyz: [1, 2, 0], sigma: 1, colour: red}]"), "");
   EXPECT_EQ(
       refusal("fusion/datum=somewhere"),
       "fusion/datum: 'somewhere' given, allowed: first_fix, or [latitude deg, longitude deg, altitude m]");

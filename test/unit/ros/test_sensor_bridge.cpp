@@ -185,6 +185,19 @@ TEST_F(Bridge, AFixIsEastAndNorthOfTheDatum) {
   EXPECT_NEAR(frames_out_[0].global_position->position_in_map.y(), 11.107, 1e-3);
 }
 
+TEST_F(Bridge, RefusesAFixFarFromTheDatum) {
+  transforms_["gps_link"] = Eigen::Isometry3d::Identity();
+  fusion_.datum = {42.0 - 0.8, -71.0, 0.0};
+  make();
+  EXPECT_TRUE(add(fix_message(1.0)));
+  fusion_.datum = {42.0 - 1.0, -71.0, 0.0};
+  make();
+  EXPECT_FALSE(add(fix_message(1.0)));
+  EXPECT_EQ(lines_.back(),
+            "fix: message refused, it is 111 km from the datum, allowed: 100 km; see fusion/datum");
+  EXPECT_EQ(refusals(), (Counts{{"fix: far from the datum", 1}}));
+}
+
 TEST_F(Bridge, SaysWhatIsWrongWithAFix) {
   EXPECT_FALSE(add(fix_message(1.0)));
   EXPECT_EQ(lines_.back(), "fix: message refused, no tf from 'gps_link' to 'base_link'");
