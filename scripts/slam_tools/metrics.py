@@ -24,11 +24,13 @@ METRICS = (
     Metric("ate_rmse_start_m", "path", "  aligned at the start", "m", "the same, not fitted"),
     Metric("dead_reckoning_ate_rmse_m", "path", "  of dead reckoning", "m", "the same of dead_reckoning.tum"),
     Metric("heading_rmse_deg", "path", "heading error, RMSE", "deg", "root mean square of the yaw error"),
-    Metric("pose_nees_mean", "path", "pose NEES, mean", "",
+    Metric("pose_nees_start_mean", "path", "pose NEES, start aligned", "",
            "mean of e^T P^-1 e, with 3 degrees of freedom (x, y, yaw) in the plane and 6 in space; a consistent "
-           "estimate has the degrees of freedom for mean. Poses with a singular covariance are skipped"),
-    Metric("pose_nees_start_mean", "path", "  aligned at the start", "",
-           "the same, not fitted: the one to judge by, for the covariance is relative to the start"),
+           "estimate has the degrees of freedom for mean. Not fitted, for the covariance is relative to the start. "
+           "Poses with a singular covariance are skipped"),
+    Metric("pose_nees_mean", "path", "  fitted to the truth", "",
+           "the same after the alignment, which leaves errors at the start, where the covariance is none: of use "
+           "where the start is not known exactly"),
     Metric("path_length_m", "path", "length", "m",
            "of the true path where it was compared; of the estimated path where the truth is positions only (their "
            "noise lengthens it) or not there"),
