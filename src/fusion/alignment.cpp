@@ -18,8 +18,8 @@ namespace {
 template <class Space>
 constexpr std::size_t kLeastPairs = static_cast<std::size_t>(Space::kPointDim);
 
-/// Generalised least squares of g_k = T q_k + n, q = W s: the pairs in `used` count. Equations (14.3) to
-/// (14.8).
+/// Generalised least squares of g_k = T q_k + n, q = W s: the pairs in `used` count. Equation
+/// (13.10).
 template <class Space>
 class Solver {
  public:

@@ -17,8 +17,6 @@ using Positions = std::vector<Stamped<Gaussian<3>>>;
 AssociationOptions association() {
   AssociationOptions options;
   options.type = AssociationOptions::Type::kJointCompatibility;  // identities are not used
-  options.gate_probability = 0.9999;
-  options.new_landmark_probability = 1.0 - 1e-7;
   return options;
 }
 
