@@ -301,6 +301,8 @@ TEST(FuzzSlam, DamagedMessagesInBagsAreRefusedOrReplayed) {
       const std::string line = error.what();
       ASSERT_EQ(line.rfind(request.bag, 0), 0U) << line;
       ASSERT_EQ(line.find('\n'), std::string::npos) << line;
+    } catch (const std::exception& error) {
+      FAIL() << "round " << round << ": " << typeid(error).name() << ": " << error.what();
     }
   }
   EXPECT_GT(refused, static_cast<std::uint64_t>(rounds() / 20));
