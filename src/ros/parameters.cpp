@@ -425,7 +425,7 @@ RunOptions read_run_options(const std::vector<std::string>& configs, const std::
         throw ParameterError(file + ": not a YAML map of parameter groups");
       }
       const std::string fault = repeated_key_within(overlay);
-      if (!fault.empty()) throw ParameterError(file + ": " + fault);
+      if (!fault.empty()) throw ParameterError(std::string(file).append(": ").append(fault));
       yaml = merge_parameters(yaml, overlay);
     } catch (const YAML::Exception& error) {
       throw ParameterError(file + ": not YAML: " + error.what());
