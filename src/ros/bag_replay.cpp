@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "kinect_ekf_slam/mapping/map_file.h"
+#include "kinect_ekf_slam/ros/bounded_landmarks.h"
 #include "kinect_ekf_slam/ros/run_writer.h"
 #include "kinect_ekf_slam/ros/slam_session.h"
 #include "kinect_ekf_slam/ros/static_transforms.h"
@@ -290,9 +291,8 @@ class Replay {
       if (const auto message = instance.instantiate<sensor_msgs::Imu>())
         session_->input().add_imu(message, now);
     } else if (topic == topics_.landmarks) {
-      if (const auto message = instance.instantiate<LandmarkDetectionArray>()) {
+      if (const auto message = instance.instantiate<BoundedLandmarks>())
         session_->input().add_landmarks(message, now);
-      }
     } else if (topic == topics_.positions) {
       if (const auto message = instance.instantiate<geometry_msgs::PoseWithCovarianceStamped>())
         session_->input().add_position(*message, now);

@@ -175,7 +175,7 @@ void SlamNode::on_imu(const Event<sensor_msgs::Imu>& event) {
     health_.note_input("imu", time, event.getReceiptTime());
 }
 
-void SlamNode::on_landmarks(const Event<LandmarkDetectionArray>& event) {
+void SlamNode::on_landmarks(const Event<BoundedLandmarks>& event) {
   const ros::Time time = now();
   if (paused_) return;
   if (session_.input().add_landmarks(event.getConstMessage(), time))

@@ -78,7 +78,7 @@ def bags(quick):
             with open(path, "wb") as file:
                 file.write(_damaged(sound, choice))
             code, text = run("slam_replay", path)
-            if code == 0 or code == 2 and text.splitlines()[-1].startswith(f"slam_replay: {path}: "):
+            if code == 0 or code == 2 and "".join(text.splitlines()[-1:]).startswith(f"slam_replay: {path}: "):
                 ends[code] += 1
             elif code < 0 and (build is None or _is_rosbags(run("slam_replay", path, build=build, ASAN_OPTIONS="detect_leaks=0")[1])):
                 crashes += 1

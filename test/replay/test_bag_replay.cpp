@@ -375,6 +375,29 @@ TEST_F(BagReplay, SaysInWhichBagAMessageIsDamaged) {
   EXPECT_EQ(line.rfind(request_.bag + ": not a readable bag: ", 0), 0U) << line;
 }
 
+TEST_F(BagReplay, MakesNoRoomForListsThatAreLongerThanTheirMessage) {
+  LandmarkDetectionArray message = landmarks(kStart);
+  message.detections[0].radius = 0.25F;
+  message.detections[0].descriptor = {0.5F};
+  rosbag::Bag bag(request_.bag, rosbag::bagmode::Write);
+  bag.write("/odom", ros::Time(kStart), odometry(kStart));
+  bag.write("/landmarks", ros::Time(kStart), message);
+  bag.close();
+  const std::string sound = read_text(request_.bag);
+  const std::string frame = message.header.frame_id;
+  const std::string radius("\x00\x00\x80\x3E", 4);
+  const std::size_t after_frame = sound.find(frame) + frame.size();
+  // 16 million detections; as many numbers as are four bytes long when 32 bits are all that counts them
+  for (const auto& [at, length] :
+       {std::pair(after_frame, std::string("\xFF\xFF\xFF\x00", 4)),
+        std::pair(sound.find(radius, after_frame) + 4, std::string("\x01\x00\x00\x40", 4))}) {
+    std::string bytes = sound;
+    bytes.replace(at, 4, length);
+    write_text(request_.bag, bytes);
+    EXPECT_EQ(refusal(), request_.bag + ": not a readable bag: a list is longer than its message");
+  }
+}
+
 TEST_F(BagReplay, SaysThatABagIsCutOff) {
   write_run();
   const std::string whole = read_text(request_.bag);

@@ -14,7 +14,10 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__
 
 def executable(name):
     """The path of one of the package's programs."""
-    return roslib.packages.find_node("kinect_ekf_slam", name)[0]
+    found = roslib.packages.find_node("kinect_ekf_slam", name)
+    if not found:
+        raise FileNotFoundError(f"{name}: not in the build, or being built just now; scripts/build.sh builds it")
+    return found[0]
 
 
 class NodeProcess:

@@ -19,6 +19,7 @@
 #include <memory>
 #include <string>
 
+#include "kinect_ekf_slam/ros/bounded_landmarks.h"
 #include "kinect_ekf_slam/ros/gradual_correction.h"
 #include "kinect_ekf_slam/ros/health.h"
 #include "kinect_ekf_slam/ros/markers.h"
@@ -50,7 +51,7 @@ class SlamNode {
 
   void on_odometry(const Event<nav_msgs::Odometry>& event);
   void on_imu(const Event<sensor_msgs::Imu>& event);
-  void on_landmarks(const Event<LandmarkDetectionArray>& event);
+  void on_landmarks(const Event<BoundedLandmarks>& event);
   void on_position(const Event<geometry_msgs::PoseWithCovarianceStamped>& event);
   void on_fix(const Event<sensor_msgs::NavSatFix>& event);
   void on_ranges(const Event<BeaconRanges>& event);
