@@ -31,6 +31,10 @@ ros::Time to_ros(TimeNs stamp) {
   return time;
 }
 
+double seconds_between(const ros::Time& begin, const ros::Time& end) {
+  return to_seconds(to_time(end) - to_time(begin));
+}
+
 Eigen::Vector3d to_eigen(const geometry_msgs::Vector3& vector) { return {vector.x, vector.y, vector.z}; }
 Eigen::Vector3d to_eigen(const geometry_msgs::Point& point) { return {point.x, point.y, point.z}; }
 Eigen::Isometry3d to_eigen(const geometry_msgs::Pose& pose) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kinect_ekf_slam/core/angles.h"
+#include "kinect_ekf_slam/ros/conversions.h"
 
 namespace kinect_ekf_slam {
 namespace {
@@ -33,7 +34,7 @@ const char* to_string(Localization localization) {
 
 void Health::note_input(const std::string& input, const ros::Time& now, const ros::Time& received) {
   Input& entry = inputs_[input];
-  entry.longest_wait = std::max(entry.longest_wait, (now - received).toSec());
+  entry.longest_wait = std::max(entry.longest_wait, seconds_between(received, now));
   entry.last = now;
   ++entry.since_report;
 }
@@ -83,7 +84,7 @@ void Health::report_inputs(const SensorBridge& bridge, const ros::Time& now,
   std::map<std::string, std::uint64_t> refused_of;
   for (const auto& [reason, count] : bridge.refusals())
     refused_of[reason.substr(0, reason.find(':'))] += count;
-  const double elapsed = std::max((now - last_report_).toSec(), 1e-3);
+  const double elapsed = std::max(seconds_between(last_report_, now), 1e-3);
   std::map<std::string, std::string> topics = expectation_.position_topics;
   topics.insert({{"odometry", expectation_.odometry_topic},
                  {"imu", expectation_.imu_topic},
@@ -92,8 +93,9 @@ void Health::report_inputs(const SensorBridge& bridge, const ros::Time& now,
     Input& input = inputs_[name];
     status.add(name + " topic", topic);
     status.addf(name + " rate (Hz)", "%.1f", static_cast<double>(input.since_report) / elapsed);
-    status.add(name + " age of the last (s)",
-               input.last.isZero() ? std::string("never came") : std::to_string((now - input.last).toSec()));
+    status.add(name + " age of the last (s)", input.last.isZero()
+                                                  ? std::string("never came")
+                                                  : std::to_string(seconds_between(input.last, now)));
     status.addf(name + " longest wait (s)", "%.3f", input.longest_wait);
     if (input.longest_wait > kLongWait) {
       status.summary(DiagnosticStatus::WARN,
@@ -116,7 +118,7 @@ void Health::report_inputs(const SensorBridge& bridge, const ros::Time& now,
   status.add("refused", refused);
   const Input& odometry = inputs_["odometry"];
   const ros::Time since = odometry.last.isZero() ? start_ : odometry.last;
-  if ((now - since).toSec() > kSilence) {
+  if (seconds_between(since, now) > kSilence) {
     status.summary(DiagnosticStatus::WARN,
                    (odometry.last.isZero() ? "no odometry yet on " : "odometry has stopped on ") +
                        expectation_.odometry_topic);

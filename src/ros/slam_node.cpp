@@ -134,8 +134,8 @@ void SlamNode::connect() {
 
 ros::Time SlamNode::now() {
   const ros::Time now = ros::Time::now();
-  if (!last_now_.isZero() && (last_now_ - now).toSec() > options_.sync.time_jump) {
-    ROS_WARN("The clock went back by %.1f s: a new run starts.", (last_now_ - now).toSec());
+  if (!last_now_.isZero() && seconds_between(now, last_now_) > options_.sync.time_jump) {
+    ROS_WARN("The clock went back by %.1f s: a new run starts.", seconds_between(now, last_now_));
     session_.reset();
     forget_what_was_shown();
   }
@@ -283,7 +283,7 @@ void SlamNode::publish_transform(const Pose3d& pose, const geometry_msgs::Pose& 
   message.header.frame_id = options_.frames.map;
   message.header.stamp = to_ros(pose.stamp) + ros::Duration(options_.output.transform_tolerance);
   // tf warns of repeated stamps; one that is much older is a new run's.
-  const double back = (last_transform_ - message.header.stamp).toSec();
+  const double back = seconds_between(message.header.stamp, last_transform_);
   if (back >= 0.0 && back <= options_.sync.time_jump) return;
   last_transform_ = message.header.stamp;
   message.child_frame_id = options_.frames.odom;

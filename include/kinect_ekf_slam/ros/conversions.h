@@ -24,6 +24,8 @@ namespace kinect_ekf_slam {
 TimeNs to_time(const ros::Time& stamp);
 /// Throws std::runtime_error for a time before the epoch, as ros::Time does.
 ros::Time to_ros(TimeNs stamp);
+/// s; negative when `end` is the earlier one. The difference of two ros::Time throws beyond 68 years.
+double seconds_between(const ros::Time& begin, const ros::Time& end);
 
 Eigen::Vector3d to_eigen(const geometry_msgs::Vector3& vector);
 Eigen::Vector3d to_eigen(const geometry_msgs::Point& point);
