@@ -169,6 +169,15 @@ class Map(SlamCase):
             self.addCleanup(late.close)
             wait_until(lambda: late.last, "the latched ~%s came" % topic)  # pylint: disable=cell-var-from-loop
 
+    def test_markers_that_nobody_looked_at_are_drawn_at_once_for_who_comes(self):
+        run = self.start({"output/marker_rate": 0.1})  # once in ten seconds
+        run.markers.close()
+        run.drive(1.0)
+        late = Recorder(run.process.name + "/markers", MarkerArray)
+        self.addCleanup(late.close)
+        wait_until(lambda: {marker.id for message in late.messages for marker in message.markers if marker.ns == "landmarks"} ==
+                   {landmark["id"] for landmark in run.saved_map()["landmarks"]}, "all landmarks are drawn", 5.0)
+
     def test_nobody_who_comes_late_gets_an_old_pose(self):
         run = self.start()
         run.drive(1.0)
