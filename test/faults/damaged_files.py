@@ -11,17 +11,15 @@ SNAGS = (b"\x00", b"\xff\xff\xff\xff", b"\x00\x00\x00\x80", b"\xff", b"op=", b"\
 
 
 def parsers(quick):
-    rounds = 300 if quick else 10000
-    holds, result = fuzz("fuzz_slam", "FuzzSlam.DamagedMaps*:FuzzSlam.DamagedParameters*", rounds, build_folder("address", quick))
-    return Row("damaged map files and parameter files", f"{number(rounds)} of each",
-               "refused with one line that names the file, or what is read is finite and inside its bounds", result, holds)
+    return fuzz("damaged map files and parameter files", "{} of each",
+                "refused with one line that names the file, or what is read is finite and inside its bounds",
+                "fuzz_slam", "FuzzSlam.DamagedMaps*:FuzzSlam.DamagedParameters*", 300 if quick else 10000, build_folder("address", quick))
 
 
 def bag_messages(quick):
     """Without sanitizers: a length may be damaged so that no memory holds it, which AddressSanitizer lets no program survive."""
-    rounds = 300 if quick else 10000
-    holds, result = fuzz("fuzz_slam", "FuzzSlam.DamagedMessagesInBags*", rounds, None)
-    return Row("bags in which a message is damaged, replayed", number(rounds), "refused with one line that names the file, or replayed", result, holds)
+    return fuzz("bags in which a message is damaged, replayed", "{}", "refused with one line that names the file, or replayed",
+                "fuzz_slam", "FuzzSlam.DamagedMessagesInBags*", 300 if quick else 10000, None)
 
 
 def _damaged(sound, choice):

@@ -20,17 +20,15 @@ OVERRIDES = {"frames/tf_timeout": 0.01, "estimator/max_landmarks": 60, "sync/que
 
 
 def pipeline(quick):
-    rounds = 300 if quick else 10000
-    holds, result = fuzz("fuzz_slam", "FuzzSlam.DamagedMessagesLeave*", rounds, build_folder("address", quick))
-    return Row("damaged `odom`, `imu` and `landmarks` messages into the pipeline, with each way to associate", f"{number(rounds)} of each, 4 times",
-               "the estimate is finite, what is refused is counted", result, holds)
+    return fuzz("damaged `odom`, `imu` and `landmarks` messages into the pipeline, with each way to associate", "{} of each, 4 times",
+                "the estimate is finite, what is refused is counted",
+                "fuzz_slam", "FuzzSlam.DamagedMessagesLeave*", 300 if quick else 10000, build_folder("address", quick))
 
 
 def perception(quick):
-    rounds = 100 if quick else 10000
-    holds, result = fuzz("fuzz_perception", "*", rounds, build_folder("address", quick))
-    return Row("damaged pictures into each of three detectors, damaged scans into the fourth", f"{number(rounds)} of each",
-               "refused with a reason, or what is found is finite", result, holds)
+    return fuzz("damaged pictures into each of three detectors, damaged scans into the fourth", "{} of each",
+                "refused with a reason, or what is found is finite", "fuzz_perception", "*", 100 if quick else 10000,
+                build_folder("address", quick))
 
 
 def is_finite(value):

@@ -4,6 +4,7 @@ import re
 import subprocess
 
 from node_process import ROOT, executable
+from row import Row, number
 
 
 def build_folder(sanitizer, quick):
@@ -23,12 +24,13 @@ def run(program, *arguments, build=None, **variables):
     return done.returncode, done.stdout
 
 
-def fuzz(program, tests, rounds, build):
-    """Runs tests of a fuzz target of that build (None: the ordinary one); (they hold, how it ended in words)."""
+def fuzz(fault, how_many, must_hold, program, tests, rounds, build):
+    """The row of a fuzz target's tests, of that build (None: the ordinary one); `how_many` says what {} rounds are."""
     code, text = run(program, "--gtest_filter=" + tests, build=build, FUZZ_ROUNDS=str(rounds), ASAN_OPTIONS="detect_leaks=0",
                      UBSAN_OPTIONS="print_stacktrace=1")
-    sanitizers = "AddressSanitizer and UndefinedBehaviorSanitizer silent" if build else "they hold, without sanitizers"
-    if code == 0 and "[  PASSED  ]" in text:
-        return True, sanitizers
-    faults = re.findall(r"^.*(?:ERROR: AddressSanitizer|runtime error|Failure).*$", text, re.MULTILINE)
-    return False, f"exit code {code}; " + " ".join((faults or text.splitlines() or ["no output"])[0].split())
+    holds = code == 0 and "[  PASSED  ]" in text
+    result = "AddressSanitizer and UndefinedBehaviorSanitizer silent" if build else "they hold, without sanitizers"
+    if not holds:
+        faults = re.findall(r"^.*(?:ERROR: AddressSanitizer|runtime error|Failure).*$", text, re.MULTILINE)
+        result = f"exit code {code}; " + " ".join((faults or text.splitlines() or ["no output"])[0].split())
+    return Row(fault, how_many.format(number(rounds)), must_hold, result, holds)
