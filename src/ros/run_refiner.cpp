@@ -1,8 +1,8 @@
 #include "kinect_ekf_slam/ros/run_refiner.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
-#include <ctime>
 #include <map>
 #include <sstream>
 #include <stdexcept>
@@ -17,11 +17,7 @@
 namespace kinect_ekf_slam {
 namespace {
 
-double wall_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_MONOTONIC, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
+using Clock = std::chrono::steady_clock;
 
 /// Root mean square, of what is added.
 class Rms {
@@ -55,7 +51,7 @@ class Refiner {
   }
 
   RefinementReport refine(const std::string& directory, const std::function<void(double)>& on_progress) {
-    const double start = wall_seconds();
+    const Clock::time_point start = Clock::now();
     batch_options_.on_progress = on_progress;
     const BatchResult<Space> result = batch_optimum(recorded_, batch_options_);
     RefinementReport report;
@@ -67,7 +63,7 @@ class Refiner {
     if (run_.recorder.has_positions()) {
       report.warnings.push_back("positions and ranges to beacons do not enter the refinement");
     }
-    report.seconds = wall_seconds() - start;
+    report.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     write_run(result, directory, report);
     const std::vector<CalibratedValue> values = calibrated_values(result, batch_options_.prior, options_);
     for (const CalibratedValue& value : values) report.calibration.push_back(calibration_line(value));
