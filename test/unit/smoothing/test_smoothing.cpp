@@ -134,10 +134,11 @@ struct Consistency {
 
 TYPED_TEST(Smoothing, RecoversACalibrationAsSurelyAsItSays) {
   using Space = TypeParam;
-  constexpr int kSeeds = Space::kPointDim == 2 ? 40 : 10;
+  constexpr int kSeeds = Space::kPointDim == 2 ? 100 : 40;
   Consistency<Space> consistency;
   for (int seed = 1; seed <= kSeeds; ++seed) {
-    const BatchScenario<Space> scenario(seed);
+    BatchScenario<Space> scenario(seed);
+    scenario.options.loss_scale = BatchOptions().loss_scale;
     const BatchResult<Space> result = batch_optimum(scenario.run, scenario.options);
     EXPECT_TRUE(result.converged) << "seed " << seed;
     consistency.add(scenario, result);
@@ -150,9 +151,9 @@ TYPED_TEST(Smoothing, RecoversACalibrationAsSurelyAsItSays) {
   // The calibrations of the seeds are independent: chi-square bounds.
   EXPECT_GT(consistency.calibration, chi_square_quantile(0.001, consistency.calibration_dof));
   EXPECT_LT(consistency.calibration, chi_square_quantile(0.999, consistency.calibration_dof));
-  // Landmarks and poses of one seed are not; their mean is.
-  EXPECT_NEAR(consistency.landmarks / consistency.landmarks_dof, 1.0, 0.4);
-  EXPECT_NEAR(consistency.poses / consistency.poses_dof, 1.0, 0.4);
+  // Landmarks and poses of one seed are not: their mean over the seeds has a sigma of 0.05 to 0.11.
+  EXPECT_NEAR(consistency.landmarks / consistency.landmarks_dof, 1.0, 0.25);
+  EXPECT_NEAR(consistency.poses / consistency.poses_dof, 1.0, 0.25);
 }
 
 TEST(Batch, HardlyBelievesWrongIdentities) {
