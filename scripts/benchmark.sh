@@ -59,7 +59,7 @@ if $node; then
   if [ -d "${SLAM_DATA:-}/mrclam6" ]; then
     build/devel/env.sh scripts/mrclam_to_bag.py "$SLAM_DATA/mrclam6" 1 "$out/mrclam6_1.bag" >"$out/bag.log"
     TIMEFORMAT="slam_replay of robot 1 of MRCLAM 6: %R s, with reading the bag and writing the results"
-    time build/devel/lib/kinect_ekf_slam/slam_replay "$out/mrclam6_1.bag" --config config/mrclam.yaml --out "$out/mrclam6_1" >"$out/replay.log"
+    { time build/devel/lib/kinect_ekf_slam/slam_replay "$out/mrclam6_1.bag" --config config/mrclam.yaml --out "$out/mrclam6_1" >"$out/replay.log"; } 2>&1
   fi
   exit
 fi
@@ -87,4 +87,6 @@ while kill -0 $process 2>/dev/null; do
 done
 wait $process
 if [ -t 2 ]; then printf '\r\033[K' >&2; fi
-scripts/plot_benchmark.py "$out/benchmark.json" "$out/benchmark.png"
+# The EKF once more without the processor's wide vectors, to tell what they bring.
+KINECT_EKF_SLAM_WIDE=0 "$program" --benchmark_filter='^update/ekf/' --benchmark_out="$out/narrow.json" --benchmark_out_format=json >"$out/narrow.log"
+scripts/plot_benchmark.py "$out/benchmark.json" "$out/benchmark.png" --narrow "$out/narrow.json"

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Prints what `benchmark_slam` wrote as tables, with ratios within the run, and draws it with its slopes.
 
-  scripts/plot_benchmark.py FILE.json PICTURE.png
+  scripts/plot_benchmark.py FILE.json PICTURE.png [--narrow FILE.json]
 """
 import argparse
 import collections
@@ -80,7 +80,7 @@ def print_spatial(series):
     table(head, rows, "{:.3g}")
 
 
-def print_tables(series):
+def print_tables(series, narrow):
     medians = {name: {n: run["median_ms"] for n, run in sorted(series[name].items())} for name in LINES if series[name]}
     head = sorted({n for times in medians.values() for n in times})
     print(f"Time per update (predict and observe), 8 landmarks in view, by the number of landmarks: median, ms; growth from {STEEP_FROM} on")
@@ -98,6 +98,8 @@ def print_tables(series):
         fastest = {n: min(times[n] for times in faster if n in times) for n in faster[0]}
         rows += [("MRPT's faster method to EKF", ratio(fastest, ekf), None),
                  ("... to compressed EKF", ratio(fastest, medians["update/compressed_ekf"]), None)]
+    if narrow:
+        rows.append(("EKF without wide vectors to EKF", ratio({n: run["median_ms"] for n, run in narrow["update/ekf"].items()}, ekf), None))
     table(head, rows, "{:.3g}")
 
     print_spatial(series)
@@ -146,10 +148,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("results", help="what benchmark_slam --benchmark_out wrote")
     parser.add_argument("picture", help="PNG to write")
+    parser.add_argument("--narrow", metavar="FILE", help="of the same program with KINECT_EKF_SLAM_WIDE=0, the EKF alone")
     arguments = parser.parse_args()
     try:
         series = read(arguments.results)
-        print_tables(series)
+        print_tables(series, read(arguments.narrow) if arguments.narrow else None)
         draw(series, arguments.picture)
     except (OSError, ValueError, KeyError, TypeError) as error:
         print(f"plot_benchmark.py: {arguments.results}: not what benchmark_slam writes: {error!r}", file=sys.stderr)

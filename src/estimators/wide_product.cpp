@@ -1,13 +1,19 @@
 #include "kinect_ekf_slam/estimators/wide_product.h"
 
 #include <cstddef>
+#include <cstdlib>
+#include <cstring>
 
 namespace kinect_ekf_slam {
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
 bool has_wide_product() {
-  static const bool has = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  static const bool has = [] {
+    const char* wanted = std::getenv("KINECT_EKF_SLAM_WIDE");
+    return (wanted == nullptr || std::strcmp(wanted, "0") != 0) && __builtin_cpu_supports("avx2") &&
+           __builtin_cpu_supports("fma");
+  }();
   return has;
 }
 

@@ -3,7 +3,8 @@
 namespace kinect_ekf_slam {
 
 /// Whether this processor has the vectors of four doubles, and the multiply-and-add, that add_wide_product()
-/// needs. The package itself is built for any processor of its architecture.
+/// needs. The package itself is built for any processor of its architecture. Also false where the environment
+/// has KINECT_EKF_SLAM_WIDE=0, to compare.
 bool has_wide_product();
 
 constexpr int kWideRows = 48;    ///< of the target and of `left`
