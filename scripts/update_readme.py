@@ -24,7 +24,7 @@ ENVIRONMENT = os.path.join(ROOT, "build", "devel", "env.sh")
 
 
 def output_of(*command):
-    return subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.strip()
+    return subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.strip("\n")
 
 
 def put(text, name, content):
