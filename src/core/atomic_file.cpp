@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "kinect_ekf_slam/core/descriptor.h"
+
 namespace kinect_ekf_slam {
 namespace {
 
@@ -35,16 +37,10 @@ int open_nameless(const std::string& path) {
   return ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
 }
 
-/// Names it, beside `path`. False, and errno says why: it cannot be.
-bool give_name(int descriptor, const std::string& path, std::vector<char>* name) {
-  const std::string text = path + "." + std::to_string(::getpid());
-  name->assign(text.c_str(), text.c_str() + text.size() + 1);
-  ::unlink(name->data());  // of a program that was killed and had the same number
-  const std::string open_file = "/proc/self/fd/" + std::to_string(descriptor);
-  return ::linkat(AT_FDCWD, open_file.c_str(), AT_FDCWD, name->data(), AT_SYMLINK_FOLLOW) == 0;
-}
-
 bool write_all(int descriptor, const std::string& text) {
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  if (::fchmod(descriptor, 0666 & ~mask) != 0) return false;
   std::size_t written = 0;
   while (written < text.size()) {
     const ssize_t count = ::write(descriptor, text.data() + written, text.size() - written);
@@ -55,24 +51,44 @@ bool write_all(int descriptor, const std::string& text) {
   return ::fsync(descriptor) == 0;
 }
 
+/// Takes away what was begun, and tells errno of before. Throws.
+[[noreturn]] void give_up(const char* name, const std::string& path) {
+  const int reason = errno;
+  ::unlink(name);
+  errno = reason;
+  fail(path, "cannot be written");
+}
+
+/// Gives a complete file a name, and lets it take the place of `path`. A program that is killed between the
+/// two leaves the name, with the whole file, to the next one that writes. False: another program has taken
+/// the name away, which writes the same file now. Throws.
+bool put_in_place(int nameless, const std::string& path) {
+  const std::string name = path + ".new";
+  const std::string open_file = "/proc/self/fd/" + std::to_string(nameless);
+  ::unlink(name.c_str());
+  if (::linkat(AT_FDCWD, open_file.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) != 0) {
+    if (errno == EEXIST) return false;
+    fail(path, "cannot be written");
+  }
+  if (std::rename(name.c_str(), path.c_str()) == 0) return true;
+  if (errno == ENOENT) return false;
+  give_up(name.c_str(), path);
+}
+
 }  // namespace
 
 void write_file_atomically(const std::string& path, const std::string& text) {
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
+  constexpr int kTries = 100;  // against another program
+  for (int i = 0; i < kTries; ++i) {
+    const Descriptor nameless(open_nameless(path));
+    if (!nameless.is_open()) break;
+    if (!write_all(nameless.number(), text)) fail(path, "cannot be written");
+    if (put_in_place(nameless.number(), path)) return;
+  }
   std::vector<char> name;
-  int descriptor = open_nameless(path);
-  const bool is_nameless = descriptor >= 0;
-  if (!is_nameless) descriptor = open_temporary(path, &name);
-  bool complete = ::fchmod(descriptor, 0666 & ~mask) == 0 && write_all(descriptor, text);
-  if (complete && is_nameless) complete = give_name(descriptor, path, &name);
-  const int error = errno;
-  ::close(descriptor);
-  if (!complete || std::rename(name.data(), path.c_str()) != 0) {
-    const int reason = complete ? errno : error;
-    if (!name.empty()) ::unlink(name.data());
-    errno = reason;
-    fail(path, "cannot be written");
+  const Descriptor temporary(open_temporary(path, &name));
+  if (!write_all(temporary.number(), text) || std::rename(name.data(), path.c_str()) != 0) {
+    give_up(name.data(), path);
   }
 }
 

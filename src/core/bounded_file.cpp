@@ -8,25 +8,10 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "kinect_ekf_slam/core/descriptor.h"
+
 namespace kinect_ekf_slam {
 namespace {
-
-/// An open file that is closed in the end.
-class Descriptor {
- public:
-  explicit Descriptor(const std::string& path)
-      : number_(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)) {}
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-
-  int number() const { return number_; }
-
- private:
-  int number_;
-};
 
 [[noreturn]] void fail(const std::string& path, const std::string& what) {
   throw std::runtime_error(path + ": " + what);
@@ -35,9 +20,9 @@ class Descriptor {
 }  // namespace
 
 std::string read_regular_file(const std::string& path, std::size_t most) {
-  const Descriptor file(path);
-  if (file.number() < 0 && errno == ELOOP) fail(path, "is not a regular file");
-  if (file.number() < 0) fail(path, std::string("cannot be read: ") + std::strerror(errno));
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  if (!file.is_open() && errno == ELOOP) fail(path, "is not a regular file");
+  if (!file.is_open()) fail(path, std::string("cannot be read: ") + std::strerror(errno));
   struct stat status {};
   if (::fstat(file.number(), &status) != 0 || !S_ISREG(status.st_mode)) fail(path, "is not a regular file");
   const auto size = static_cast<std::size_t>(status.st_size);

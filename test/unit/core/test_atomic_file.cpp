@@ -4,8 +4,11 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <atomic>
 #include <csignal>
 #include <stdexcept>
+#include <thread>
+#include <vector>
 
 #include "test/support/temporary_folder.h"
 
@@ -54,6 +57,34 @@ TEST(AtomicFile, IsKnownToBeWritableBefore) {
     const std::string line = message_of<std::runtime_error>([&] { require_writable(path); });
     EXPECT_EQ(line.rfind(path + ": cannot be ", 0), 0U) << line;
   }
+}
+
+TEST(AtomicFile, TakesWhatAKilledProgramLeft) {
+  const TemporaryFolder folder;
+  testing::write_text(folder / "a.new", "left between a name and a place");
+  write_file_atomically(folder / "a", "text");
+  EXPECT_EQ(read_text(folder / "a"), "text");
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(AtomicFile, IsWholeWhileTwoWriteIt) {
+  const TemporaryFolder folder;
+  const std::string texts[] = {std::string(100000, 'a'), std::string(50000, 'b')};
+  write_file_atomically(folder / "a", texts[0]);
+  std::atomic<int> writing{2};
+  std::vector<std::thread> writers;
+  for (const std::string& text : texts) {
+    writers.emplace_back([&] {
+      for (int i = 0; i < 100; ++i) write_file_atomically(folder / "a", text);
+      --writing;
+    });
+  }
+  while (writing > 0) {
+    const std::string text = read_text(folder / "a");
+    EXPECT_TRUE(text == texts[0] || text == texts[1]) << text.size() << " bytes";
+  }
+  for (std::thread& writer : writers) writer.join();
+  EXPECT_EQ(folder.entries(), 1U);
 }
 
 TEST(AtomicFile, CanBeEmpty) {
