@@ -108,9 +108,10 @@ def print_tables(series, narrow):
     worst = series["update/compressed_ekf"]
     table(sorted(worst), [(title, {n: run[key] for n, run in worst.items()}, None) for title, key in
                           (("median", "median_ms"), ("99.9th percentile", "p999_ms"), ("worst", "max_ms"))], "{:.3g}")
-    print("\nAssociation of 8 sightings without identity, ms")
-    times = {n: run["median_ms"] for n, run in series["associate/nearest_neighbor"].items()}
-    table(sorted(times), [("nearest neighbour", times, growth(times))], "{:.3g}")
+    print("\nAssociation of 8 sightings without identity by nearest neighbour, ms")
+    times = {title: {n: run["median_ms"] for n, run in sorted(series[f"associate/{name}"].items())}
+             for title, name in (("EKF, whole map", "ekf"), ("compressed EKF, its region", "compressed_ekf"))}
+    table(sorted({n for row in times.values() for n in row}), [(title, row, growth(row)) for title, row in times.items()], "{:.3g}")
     inserts = {name.split("/")[1]: run[2000]["median_ms"] / 1e3 for name, run in series.items()
                if name.startswith("insert/") and 2000 in run}
     if inserts:
