@@ -18,7 +18,7 @@ namespace {
 template <class Space>
 constexpr std::size_t kLeastPairs = static_cast<std::size_t>(Space::kPointDim);
 
-/// Generalised least squares of g_k = T q_k + n, q = W s: the pairs in `used` count. Equation
+/// Generalised least squares of g_k = T q_k + n, q = W s + o: the pairs in `used` count. Equation
 /// (13.10).
 template <class Space>
 class Solver {
@@ -111,10 +111,21 @@ class Solver {
   }
 
  private:
-  /// q_k = sum_j w_kj s_j.
+  /// q_k = sum_j w_kj s_j + o_k.
   Point place(std::size_t pair) const {
     const Eigen::Map<const Eigen::MatrixXd> points(points_.data(), kDim, points_.size() / kDim);
-    return points * pairs_.weights.row(static_cast<Eigen::Index>(pair)).transpose();
+    const Point on_path = points * pairs_.weights.row(static_cast<Eigen::Index>(pair)).transpose();
+    return pairs_.offsets.empty() ? on_path : Point(on_path + pairs_.offsets[pair].mean);
+  }
+
+  /// Of the global place, and of the offset as the transform turns it.
+  typename Space::PointMatrix place_noise(std::size_t pair) const {
+    typename Space::PointMatrix noise = pairs_.in_global[pair].covariance;
+    if (!pairs_.offsets.empty()) {
+      const typename Space::PointMatrix turn = transform_.rotation();
+      noise += turn * pairs_.offsets[pair].covariance * turn.transpose();
+    }
+    return noise;
   }
 
   Pose closed_form_turn(const Point& global_mean, const Point& local_mean) const {
@@ -157,7 +168,7 @@ class Solver {
       by_transform_.template middleRows<kDim>(row) = by_transform(pair);
       by_points.template middleRows<kDim>(row) = this->by_points(pair);
       residual_.template segment<kDim>(row) = pairs_.in_global[pair].mean - transform_ * place(pair);
-      noise_.template block<kDim, kDim>(row, row) = pairs_.in_global[pair].covariance;
+      noise_.template block<kDim, kDim>(row, row) = place_noise(pair);
     }
     const Eigen::MatrixXd cross = pairs_.local_covariance * by_points.transpose();
     noise_ += by_points * cross;  // S = A P A^T + R

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "kinect_ekf_slam/core/chi_square.h"
+#include "kinect_ekf_slam/fusion/interpolation.h"
 #include "kinect_ekf_slam/fusion/map_matching.h"
 #include "kinect_ekf_slam/fusion/path_spline.h"
 #include "kinect_ekf_slam/mapping/state_algebra.h"
@@ -37,6 +38,48 @@ Points<Space> positions_then(const LocalMap<Space>& map) {
   return positions;
 }
 
+/// The local pose at `stamp`, which the map's time holds: on the way from the look before to the one after.
+template <class Space>
+PoseEstimate<Space> pose_at(const LocalMap<Space>& map, TimeNs stamp) {
+  const auto after = std::upper_bound(map.poses.begin(), map.poses.end(), stamp,
+                                      [](TimeNs time, const auto& pose) { return time < pose.stamp; });
+  if (after == map.poses.begin()) return after->value;
+  const auto before = after - 1;
+  if (after == map.poses.end() || before->stamp == stamp) return before->value;
+  return interpolate<Space>({*before, *after}, stamp);
+}
+
+/// Where an antenna is seen from the base, in the axes of the base's map.
+template <class Space>
+Gaussian<Space::kPointDim> turned(const PoseEstimate<Space>& base,
+                                  const typename Space::Point& antenna_in_base) {
+  constexpr int kTurns = Space::kTurnDim;
+  Gaussian<Space::kPointDim> offset;
+  offset.mean = base.map_from_base.rotation() * antenna_in_base;
+  const typename Space::PointByTurn by_turn = Space::by_turn(offset.mean);
+  offset.covariance =
+      by_turn * base.covariance.template bottomRightCorner<kTurns, kTurns>() * by_turn.transpose();
+  return offset;
+}
+
+/// How the local frame is turned when the base is turned so in the global frame.
+template <class Space>
+HeadingPrior<Space> heading_by(const HeadingPrior<Space>& base_in_global, const PoseEstimate<Space>& base) {
+  constexpr int kTurns = Space::kTurnDim;
+  HeadingPrior<Space> heading;
+  heading.global_from_local =
+      turn_of<Space>(base_in_global.global_from_local) * turn_of<Space>(base.map_from_base).inverse();
+  const TurnMatrix<Space> axes = turn_axes<Space>(heading.global_from_local);
+  heading.covariance = base_in_global.covariance +
+                       axes * base.covariance.template bottomRightCorner<kTurns, kTurns>() * axes.transpose();
+  return heading;
+}
+
+template <class Space>
+void keep_surer(const HeadingPrior<Space>& heading, std::optional<HeadingPrior<Space>>* surest) {
+  if (!*surest || heading.covariance.trace() < (*surest)->covariance.trace()) *surest = heading;
+}
+
 /// A local map, or several joined, and where its frame lies.
 template <class Space>
 struct PlacedMap {
@@ -44,6 +87,7 @@ struct PlacedMap {
   GlobalSegment<Space> segment;
   SlamState<Space>
       aligned;  ///< the map's state, bent by the global positions; its pose is the place of the frame
+  bool follows = false;  ///< the stretch before it, which is placed as well, leads to it
   bool is_placed() const { return segment.refusal.empty(); }
 };
 
@@ -60,10 +104,10 @@ template <class Space>
 class MapIntegration {
  public:
   static constexpr int kDim = Space::kPointDim;
-  using Positions = std::vector<Stamped<Gaussian<kDim>>>;
+  using Places = std::vector<Stamped<GlobalPlace<Space>>>;
 
-  MapIntegration(const Positions& positions, const GlobalMapOptions& options)
-      : positions_(positions),
+  MapIntegration(const Places& places, const GlobalMapOptions& options)
+      : places_(places),
         options_(options),
         merge_gate_(chi_square_quantile(options.merge_probability, kDim)) {
     AssociationOptions association = options.association;
@@ -79,6 +123,7 @@ class MapIntegration {
     std::vector<PlacedMap<Space>> placed = place_all(maps);
     std::vector<Cluster<Space>> clusters;
     for (std::size_t k = 0; k < placed.size(); ++k) {
+      placed[k].follows = k > 0 && placed[k - 1].is_placed() && placed[k - 1].map.leads_to_next;
       if (placed[k].is_placed()) add_to(&clusters, placed[k], static_cast<int>(k));
     }
     for (const Cluster<Space>& cluster : clusters) tell_landmarks(cluster, &global);
@@ -96,17 +141,19 @@ class MapIntegration {
     std::vector<PlacedMap<Space>> placed;
     for (std::size_t k = 0; k < maps.size(); ++k) {
       const int number = static_cast<int>(k);
-      const bool joins = !placed.empty() && !placed.back().is_placed() && placed.back().map.leads_to_next;
+      const bool joins =
+          !placed.empty() && !placed.back().is_placed() && may_join(placed.back().map, maps[k]);
       if (joins) {
         placed.back().map = joined(placed.back().map, maps[k]);
         placed.back().segment.last_map = number;
       } else {
-        placed.push_back({maps[k], {}, {}});
+        placed.push_back({maps[k], {}, {}, false});
         placed.back().segment.first_map = placed.back().segment.last_map = number;
       }
       place(&placed.back());
     }
-    if (placed.size() > 1 && !placed.back().is_placed() && placed[placed.size() - 2].map.leads_to_next) {
+    if (placed.size() > 1 && !placed.back().is_placed() &&
+        may_join(placed[placed.size() - 2].map, placed.back().map)) {
       const PlacedMap<Space> last = std::move(placed.back());
       placed.pop_back();
       placed.back().map = joined(placed.back().map, last.map);
@@ -114,6 +161,13 @@ class MapIntegration {
       place(&placed.back());
     }
     return placed;
+  }
+
+  /// The robot went from the one to the other, and both together are not so large that they cannot be
+  /// handled.
+  bool may_join(const LocalMap<Space>& first, const LocalMap<Space>& second) const {
+    const std::size_t points = first.state.infos.size() + second.state.infos.size();
+    return first.leads_to_next && points <= static_cast<std::size_t>(options_.max_joined_points);
   }
 
   /// The second map's frame is the pose at which the first one ends: what follows is the path from there.
@@ -153,10 +207,14 @@ class MapIntegration {
     segment.end = map.end;
     AlignmentPairs<Space> pairs;
     std::vector<TimeNs> stamps;
-    for (const auto& position : positions_) {
-      if (position.stamp < map.start || position.stamp >= map.end) continue;
-      stamps.push_back(position.stamp);
-      pairs.in_global.push_back(position.value);
+    std::optional<HeadingPrior<Space>> heading;
+    for (const auto& place : places_) {
+      if (place.stamp < map.start || place.stamp >= map.end) continue;
+      const PoseEstimate<Space> base = pose_at(map, place.stamp);
+      stamps.push_back(place.stamp);
+      pairs.in_global.push_back(place.value.antenna);
+      pairs.offsets.push_back(turned(base, place.value.antenna_in_base));
+      if (place.value.attitude) keep_surer(heading_by(*place.value.attitude, base), &heading);
     }
     segment.positions = stamps.size();
     const std::vector<int> path = map.path_points();
@@ -169,7 +227,7 @@ class MapIntegration {
     const Eigen::Index size = pairs.local_points.size();
     pairs.local_covariance = map.state.covariance.bottomRightCorner(size, size);
 
-    AlignmentResult<Space> result = align_frames<Space>(pairs, options_.alignment);
+    AlignmentResult<Space> result = align_frames<Space>(pairs, options_.alignment, heading);
     segment.refusal = result.refusal;
     if (!result.alignment) return;
     segment.global_from_local = result.alignment->global_from_local;
@@ -181,7 +239,8 @@ class MapIntegration {
                        std::move(result.alignment->local_points), std::move(result.alignment->covariance)};
   }
 
-  /// Adds one map. Clusters that have a landmark of it become one with it.
+  /// Adds one map. Clusters that have a landmark of it, or the stretch of the way that leads to it, become
+  /// one with it.
   void add_to(std::vector<Cluster<Space>>* clusters, const PlacedMap<Space>& placed, int number) {
     const SlamState<Space>& local = placed.aligned;
     Cluster<Space> added;
@@ -192,7 +251,8 @@ class MapIntegration {
     std::vector<Cluster<Space>> others;
     for (Cluster<Space>& cluster : *clusters) {
       const auto pairs = common_with(cluster, local);
-      if (pairs.empty()) {
+      const std::optional<int> place_before = placed.follows ? last_place(cluster, number - 1) : std::nullopt;
+      if (pairs.empty() && !place_before) {
         others.push_back(std::move(cluster));
         continue;
       }
@@ -210,9 +270,23 @@ class MapIntegration {
         added.dropped[static_cast<std::size_t>(old_point)] = true;
         ++merged_;
       }
+      if (place_before) {
+        const int first_place = placed.map.path_points().front();
+        merge_points<Space>(offset + first_place, *place_before, merge_gate_, &added.state);
+      }
     }
     others.push_back(std::move(added));
     *clusters = std::move(others);
+  }
+
+  /// Where the segment's path ends, as a point of the cluster; nothing when it is in another cluster.
+  static std::optional<int> last_place(const Cluster<Space>& cluster, int segment) {
+    std::optional<int> last;
+    for (std::size_t i = 0; i < cluster.state.infos.size(); ++i) {
+      const bool is_place = cluster.segment_of_point[i] == segment && is_path_point(cluster.state.infos[i]);
+      if (is_place) last = static_cast<int>(i);
+    }
+    return last;
   }
 
   /// The cluster's landmarks that the map has too, by their indices in both.
@@ -292,7 +366,7 @@ class MapIntegration {
     }
   }
 
-  const Positions& positions_;
+  const Places& places_;
   const GlobalMapOptions& options_;
   double merge_gate_;
   std::unique_ptr<Associator<Space>> associator_;
@@ -303,23 +377,23 @@ class MapIntegration {
 
 template <class Space>
 GlobalMap<Space> integrate_maps(const std::vector<LocalMap<Space>>& maps,
-                                const std::vector<Stamped<Gaussian<Space::kPointDim>>>& positions,
+                                const std::vector<Stamped<GlobalPlace<Space>>>& places,
                                 const GlobalMapOptions& options) {
-  for (std::size_t i = 1; i < positions.size(); ++i) {
-    if (positions[i].stamp < positions[i - 1].stamp) {
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    if (places[i].stamp < places[i - 1].stamp) {
       throw std::invalid_argument("global positions: time goes back by " +
-                                  std::to_string(to_seconds(positions[i - 1].stamp - positions[i].stamp)) +
+                                  std::to_string(to_seconds(places[i - 1].stamp - places[i].stamp)) +
                                   " s at position " + std::to_string(i) + ", they must ascend");
     }
   }
-  return MapIntegration<Space>(positions, options).integrate(maps);
+  return MapIntegration<Space>(places, options).integrate(maps);
 }
 
 template GlobalMap<Planar> integrate_maps<Planar>(const std::vector<LocalMap<Planar>>&,
-                                                  const std::vector<Stamped<Gaussian<2>>>&,
+                                                  const std::vector<Stamped<GlobalPlace<Planar>>>&,
                                                   const GlobalMapOptions&);
 template GlobalMap<Spatial> integrate_maps<Spatial>(const std::vector<LocalMap<Spatial>>&,
-                                                    const std::vector<Stamped<Gaussian<3>>>&,
+                                                    const std::vector<Stamped<GlobalPlace<Spatial>>>&,
                                                     const GlobalMapOptions&);
 
 }  // namespace kinect_ekf_slam

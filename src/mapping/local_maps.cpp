@@ -79,11 +79,15 @@ void LocalMaps<Space>::start_map() {
 }
 
 template <class Space>
+void LocalMaps<Space>::start_time(TimeNs stamp) {
+  if (started_) return;
+  present_.start = stamp;
+  started_ = true;
+}
+
+template <class Space>
 UpdateReport LocalMaps<Space>::observe(TimeNs stamp, const Observations& observations) {
-  if (!started_) {
-    present_.start = stamp;
-    started_ = true;
-  }
+  start_time(stamp);
   const auto all = map_->expect(observations);
   const LandmarksAlone<Space> landmarks(all);
   std::vector<Assignment> assignments = associator_->associate(observations, landmarks);
@@ -98,6 +102,18 @@ UpdateReport LocalMaps<Space>::observe(TimeNs stamp, const Observations& observa
     held_ = true;
     last_held_ = stamp;
   }
+  keep_pose(stamp);
+  return report;
+}
+
+template <class Space>
+void LocalMaps<Space>::go_on(TimeNs stamp) {
+  start_time(stamp);
+  keep_pose(stamp);
+}
+
+template <class Space>
+void LocalMaps<Space>::keep_pose(TimeNs stamp) {
   present_.end = stamp;
   present_.poses.push_back({stamp, map_->pose()});
   const auto& kept = present_.path_stamps;
@@ -109,7 +125,6 @@ UpdateReport LocalMaps<Space>::observe(TimeNs stamp, const Observations& observa
     present_.poses.push_back({stamp, map_->pose()});
     keep_place(stamp);
   }
-  return report;
 }
 
 template <class Space>

@@ -46,13 +46,12 @@ std::unique_ptr<LocalMaps<Space>> make_local_maps(const EstimatorOptions& option
                                                   const PoseEstimate<Space>& initial) {
   if (association.type == AssociationOptions::Type::kMultiHypothesis) {
     throw std::invalid_argument(
-        "association/type: multi_hypothesis given, allowed with fusion/local_maps: known, nearest_neighbor, "
-        "jcbb");
+        "association/type: multi_hypothesis given, allowed for local maps: known, nearest_neighbor, jcbb");
   }
   if (make_kalman<Space>(options, association, initial) == nullptr) {
     throw std::invalid_argument(
-        "fusion/local_maps: true given, allowed with estimator/type ekf, invariant_ekf, compressed_ekf and "
-        "ukf only");
+        "estimator/type: no Kalman filter given, allowed for local maps: ekf, invariant_ekf, compressed_ekf, "
+        "ukf");
   }
   const auto make_map = [=](const PoseEstimate<Space>& start) {
     return std::make_unique<ManagedMap<Space>>(make_kalman<Space>(options, association, start),

@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kinect_ekf_slam/ros/bag_replay.h"
@@ -10,7 +11,8 @@
 namespace {
 
 constexpr const char* kUsage =
-    "usage: slam_replay BAG [--config FILE.yaml] [--out DIR [--refine]] [--set group/key=value ...]\n"
+    "usage: slam_replay BAG [--config FILE.yaml] [--out DIR [--refine] [--global]] [--set group/key=value "
+    "...]\n"
     "\n"
     "Runs a recorded bag through the SLAM pipeline as fast as it can, without a ROS master.\n"
     "  --config FILE.yaml      parameters that differ from config/slam.yaml; may be given more than once\n"
@@ -20,6 +22,10 @@ constexpr const char* kUsage =
     "and\n"
     "                          write them to DIR/refined in the same files, with calibration.yaml and\n"
     "                          refinement.json\n"
+    "  --global                also make local maps without the global positions, put all of them into the "
+    "frame\n"
+    "                          of those, and write path and map to DIR/global in the same files, with\n"
+    "                          segments.csv\n"
     "  --set group/key=value   one parameter, over all files\n"
     "  --parameters            list all parameters as Markdown and exit\n"
     "Exit: 0 done, 2 the input cannot be used (one line says why).\n";
@@ -29,6 +35,7 @@ struct Arguments {
   std::vector<std::string> configs;
   std::string output;
   bool refine = false;
+  bool global = false;
   std::vector<std::string> settings;
 };
 
@@ -54,6 +61,16 @@ void print_refinement(const kinect_ekf_slam::RefinementReport& report, const std
   for (const std::string& line : report.calibration) std::printf("  %s\n", line.c_str());
 }
 
+void print_global(const kinect_ekf_slam::GlobalRunReport& report, const std::string& output) {
+  for (const std::string& line : report.warnings) warn(line);
+  std::printf(
+      "global map in '%s': %zu of %zu stretches placed, made of %zu local maps, by %zu of %zu positions; %zu "
+      "landmarks, %d found again in other local maps; written to %s/global\n",
+      report.frame.c_str(), report.placed, report.segments, report.local_maps,
+      report.positions - report.left_out, report.positions, report.landmarks, report.merged_landmarks,
+      output.c_str());
+}
+
 Arguments parse(kinect_ekf_slam::CommandLine* words) {
   Arguments arguments;
   while (words->next()) {
@@ -67,6 +84,8 @@ Arguments parse(kinect_ekf_slam::CommandLine* words) {
       arguments.output = words->value();
     } else if (word == "--refine") {
       arguments.refine = true;
+    } else if (word == "--global") {
+      arguments.global = true;
     } else if (word == "--set") {
       const std::vector<std::string> settings = words->assignments();
       arguments.settings.insert(arguments.settings.end(), settings.begin(), settings.end());
@@ -79,8 +98,12 @@ Arguments parse(kinect_ekf_slam::CommandLine* words) {
     }
   }
   if (arguments.bag.empty()) words->fail("no bag given; see --help");
-  if (arguments.refine && arguments.output.empty())
-    words->fail("--refine: needs a folder to write to, --out DIR");
+  if (arguments.output.empty()) {
+    for (const auto& [is_given, option] :
+         {std::pair(arguments.refine, "--refine"), std::pair(arguments.global, "--global")}) {
+      if (is_given) words->fail(std::string(option) + ": needs a folder to write to, --out DIR");
+    }
+  }
   return arguments;
 }
 
@@ -94,6 +117,7 @@ int main(int argc, char** argv) {
     request.bag = arguments.bag;
     request.output_directory = arguments.output;
     request.refine = arguments.refine;
+    request.global = arguments.global;
     request.options = kinect_ekf_slam::read_run_options(arguments.configs, arguments.settings,
                                                         [&request](const std::string& line) {
                                                           warn(line);
@@ -108,6 +132,7 @@ int main(int argc, char** argv) {
         report.data_seconds, report.wall_seconds, report.data_seconds / report.wall_seconds, report.landmarks,
         report.detection_frames, arguments.output.empty() ? "" : "; written to ", arguments.output.c_str());
     if (report.refinement) print_refinement(*report.refinement, arguments.output);
+    if (report.global) print_global(*report.global, arguments.output);
   } catch (const std::exception& error) {
     words.fail(error.what());
   }

@@ -1,6 +1,5 @@
 #include "kinect_ekf_slam/pipeline/position_updates.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -10,29 +9,13 @@
 #include "kinect_ekf_slam/core/chi_square.h"
 #include "kinect_ekf_slam/models/measurement.h"
 #include "kinect_ekf_slam/models/pose_measurement.h"
+#include "kinect_ekf_slam/pipeline/usable_position.h"
 
 namespace kinect_ekf_slam {
 namespace {
 
-constexpr double kFarthest = 1e8;     // m; no frame on the Earth has larger numbers
-constexpr double kLeastSure = 1e6;    // m^2; more is no knowledge
 constexpr double kLargestTurn = 0.5;  // rad of doubt at once: beyond it no Kalman filter is at home
 constexpr double kShortestWay = 1.0;  // m
-
-template <class Matrix>
-bool is_covariance(const Matrix& matrix) {
-  return matrix.allFinite() && matrix.trace() < kLeastSure && matrix.isApprox(matrix.transpose(), 1e-6) &&
-         Eigen::LLT<Matrix>(matrix).info() == Eigen::Success;
-}
-
-bool is_usable(const GlobalPosition& position) {
-  const bool is_sure = position.map_from_base
-                           ? is_covariance(position.covariance)
-                           : is_covariance(Eigen::Matrix3d(position.covariance.topLeftCorner<3, 3>()));
-  return is_sure && (position.position_in_map.array().abs() < kFarthest).all() &&
-         position.antenna_in_base.allFinite() &&
-         (!position.map_from_base || position.map_from_base->coeffs().allFinite());
-}
 
 GlobalPosition moved(const Eigen::Isometry3d& to_from, const GlobalPosition& position) {
   GlobalPosition result = position;
@@ -83,14 +66,6 @@ void PositionUpdates<Space>::map_was_replaced() {
 }
 
 template <class Space>
-bool PositionUpdates<Space>::is_withheld(TimeNs stamp) const {
-  const double since_start = to_seconds(stamp - first_.value_or(stamp));
-  return std::any_of(options_.withheld.begin(), options_.withheld.end(), [&](const auto& stretch) {
-    return since_start >= stretch.first && since_start < stretch.second;
-  });
-}
-
-template <class Space>
 void PositionUpdates<Space>::take(const SensorFrame& frame, bool late, Estimator* estimator,
                                   SlamResult* result) {
   if (!first_) first_ = frame.stamp;
@@ -124,7 +99,8 @@ template <class Space>
 PositionVerdict PositionUpdates<Space>::check(const GlobalPosition& position, bool late, TimeNs stamp) const {
   if (!is_usable(position)) return PositionVerdict::kInvalid;
   if (late) return PositionVerdict::kLate;
-  return is_withheld(stamp) ? PositionVerdict::kWithheld : PositionVerdict::kUsed;
+  return options_.is_withheld(to_seconds(stamp - first_.value_or(stamp))) ? PositionVerdict::kWithheld
+                                                                          : PositionVerdict::kUsed;
 }
 
 template <class Space>
@@ -187,9 +163,7 @@ template <class Space>
 PositionOutcome PositionUpdates<Space>::take_range(const BeaconRange& range, TimeNs stamp,
                                                    Estimator* estimator) {
   PositionOutcome outcome{PositionVerdict::kInvalid, range.beacon};
-  const bool is_range = range.range >= 0.0 && range.range < kFarthest && range.variance > 0.0 &&
-                        range.variance < kLeastSure && range.receiver_in_base.allFinite();
-  if (!is_range) return outcome;
+  if (!is_usable(range)) return outcome;
   if (beacons_.count(range.beacon) == 0) {
     outcome.verdict = PositionVerdict::kUnknownBeacon;
     return outcome;

@@ -1,6 +1,5 @@
 #include "kinect_ekf_slam/pipeline/slam_pipeline.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <optional>
 #include <stdexcept>
@@ -8,9 +7,11 @@
 
 #include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/mapping/slam_factory.h"
-#include "kinect_ekf_slam/models/held_motion.h"
+#include "kinect_ekf_slam/pipeline/landmark_3d.h"
+#include "kinect_ekf_slam/pipeline/motion_track.h"
 #include "kinect_ekf_slam/pipeline/position_updates.h"
 #include "kinect_ekf_slam/pipeline/relocalizer.h"
+#include "kinect_ekf_slam/pipeline/sightings.h"
 
 namespace kinect_ekf_slam {
 namespace {
@@ -25,55 +26,6 @@ Pose3d initial_pose(const InitialPoseOptions& options) {
       Eigen::Vector3d::Constant(heading_sigma * heading_sigma);
   return pose;
 }
-
-/// Finite, symmetric and positive definite.
-template <class Matrix>
-bool is_covariance(const Matrix& matrix) {
-  constexpr double kLargest = 1e6;  // m^2; more is no knowledge, and its digits drown those of the others
-  return matrix.allFinite() && matrix.trace() < kLargest && matrix.isApprox(matrix.transpose(), 1e-6) &&
-         Eigen::LLT<Matrix>(matrix).info() == Eigen::Success;
-}
-
-/// Finite, and no farther than any sensor sees: the digits of a larger number drown those of the map.
-bool is_place(const Eigen::Vector3d& point_in_base) {
-  constexpr double kFarthest = 1e6;  // m
-  return (point_in_base.array().abs() <= kFarthest).all();
-}
-
-/// Carries something that moves from frame to frame: how far, and how surely.
-template <class Space>
-class Motion {
- public:
-  Motion(const InputOptions& input, const MotionOptions& motion) : conditioner_(input), options_(motion) {}
-
-  /// The steps from the last frame to `frame`; takes in what the frame says of what follows.
-  std::optional<MotionStep<Space>> advance(const SensorFrame& frame) {
-    std::optional<MotionStep<Space>> step = advance_to(frame.stamp);
-    if (frame.odometry) conditioner_.add_odometry(frame.stamp, *frame.odometry);
-    if (frame.gyro_rate) conditioner_.add_gyro(frame.stamp, *frame.gyro_rate);
-    return step;
-  }
-
-  std::optional<MotionStep<Space>> advance_to(TimeNs stamp) {
-    const TimeNs start = std::exchange(now_, started_ ? std::max(stamp, now_) : stamp);
-    const double dt = to_seconds(now_ - start);
-    if (!std::exchange(started_, true) || dt <= 0.0) return std::nullopt;
-    return held_motion_step<Space>(conditioner_.velocity(start), conditioner_.hold_time(start), dt,
-                                   conditioner_.last_odometry(), options_);
-  }
-
-  TimeNs now() const { return now_; }
-  bool started() const { return started_; }
-  InputConditioner& conditioner() { return conditioner_; }
-  const InputConditioner& conditioner() const { return conditioner_; }
-  void set_options(const MotionOptions& options) { options_ = options; }
-
- private:
-  InputConditioner conditioner_;
-  MotionOptions options_;
-  TimeNs now_ = 0;
-  bool started_ = false;
-};
 
 template <class Space>
 class SpacePipeline : public SlamPipeline {
@@ -92,7 +44,7 @@ class SpacePipeline : public SlamPipeline {
   }
 
   SlamResult process(const SensorFrame& frame) override {
-    const bool late = motion_.started() && frame.stamp < motion_.now();
+    const bool late = motion_.is_past(frame.stamp);
     if (const auto step = motion_.advance(frame)) {
       estimator_->predict(*step);
       relocalizer_.predict(*step);
@@ -113,7 +65,7 @@ class SpacePipeline : public SlamPipeline {
   }
 
   Pose3d look_ahead(const std::deque<SensorFrame>& waiting, TimeNs stamp) const override {
-    Motion<Space> motion = motion_;
+    MotionTrack<Space> motion = motion_;
     PoseEstimate<Space> pose = estimator_->pose();
     for (const SensorFrame& frame : waiting) {
       if (frame.stamp > stamp) break;
@@ -125,7 +77,7 @@ class SpacePipeline : public SlamPipeline {
 
   std::vector<Landmark3d> map() const override {
     std::vector<Landmark3d> map;
-    for (const LandmarkEstimate<Space>& estimate : seen_landmarks()) map.push_back(landmark_3d(estimate));
+    for (const LandmarkEstimate<Space>& estimate : seen_landmarks()) map.push_back(to_3d<Space>(estimate));
     return map;
   }
 
@@ -133,7 +85,7 @@ class SpacePipeline : public SlamPipeline {
     std::vector<Landmark3d> beacons;
     for (const LandmarkEstimate<Space>& estimate : estimator_->landmarks()) {
       if (!is_beacon(estimate.info.id)) continue;
-      Landmark3d beacon = landmark_3d(estimate);
+      Landmark3d beacon = to_3d<Space>(estimate);
       beacon.id = beacon_of(estimate.info.id);
       beacon.label = "beacon";
       if (Space::kPointDim < 3) beacon.position_in_map.z() = positions_.beacon_height(beacon.id);
@@ -219,47 +171,17 @@ class SpacePipeline : public SlamPipeline {
     return landmarks;
   }
 
-  static Landmark3d landmark_3d(const LandmarkEstimate<Space>& estimate) {
-    Landmark3d landmark;
-    landmark.id = estimate.info.id;
-    landmark.source_id = estimate.info.source_id;
-    landmark.label = estimate.info.label();
-    landmark.radius = estimate.info.radius;
-    landmark.observations = estimate.info.observations;
-    landmark.confirmed = estimate.info.confirmed;
-    landmark.position_in_map = Space::to_3d(estimate.position_in_map);
-    landmark.covariance.template topLeftCorner<Space::kPointDim, Space::kPointDim>() = estimate.covariance;
-    return landmark;
-  }
-
   void observe(const std::vector<Detection>& detections, bool late, SlamResult* result) {
-    std::vector<Observation<Space>> observations;
-    std::vector<std::size_t> detection_of_observation;
+    const Sightings<Space> seen(detections, sensor_);
     result->outcomes.resize(detections.size());
     for (std::size_t i = 0; i < detections.size(); ++i) {
       DetectionOutcome& outcome = result->outcomes[i];
       outcome.source_id = detections[i].signature.source_id;
       outcome.position_in_map = detections[i].position_in_base;  // moved into the map below
-      if (late) {
-        outcome.verdict = Verdict::kLate;
-      } else if (!is_place(detections[i].position_in_base)) {
-        outcome.verdict = Verdict::kInvalid;
-      } else if (!in_range(detections[i], sensor_)) {
-        outcome.verdict = Verdict::kOutOfRange;
-      } else if (static_cast<int>(observations.size()) >= sensor_.max_detections) {
-        outcome.verdict = Verdict::kTooMany;
-      } else {
-        const Detection seen = with_noise(detections[i], sensor_);
-        Observation<Space> observation{Space::from_3d(seen.position_in_base),
-                                       Space::from_3d(seen.covariance_in_base), sensor_.correlation_time,
-                                       seen.signature, static_cast<int>(i)};
-        if (!is_covariance(observation.covariance)) continue;  // stays invalid
-        detection_of_observation.push_back(i);
-        observations.push_back(std::move(observation));
-      }
+      outcome.verdict = late ? Verdict::kLate : seen.refusals[i];
     }
     if (!late) {
-      UpdateReport report = estimate(observations);
+      UpdateReport report = estimate(seen.observations);
       result->nis = report.nis;
       result->dof = report.dof;
       result->removed = std::move(report.removed);
@@ -269,8 +191,8 @@ class SpacePipeline : public SlamPipeline {
         result->revisions.push_back({revision.stamp, revision.detection, assignment.verdict,
                                      assignment.landmark, assignment.squared_distance});
       }
-      for (std::size_t k = 0; k < observations.size(); ++k) {
-        DetectionOutcome& outcome = result->outcomes[detection_of_observation[k]];
+      for (std::size_t k = 0; k < seen.observations.size(); ++k) {
+        DetectionOutcome& outcome = result->outcomes[seen.detection_of_observation[k]];
         outcome.verdict = report.assignments[k].verdict;
         outcome.landmark_id = report.assignments[k].landmark;
         outcome.nis = report.assignments[k].squared_distance;
@@ -304,7 +226,7 @@ class SpacePipeline : public SlamPipeline {
   int seed_;
   bool relocalize_when_lost_;
   SensorOptions sensor_;
-  Motion<Space> motion_;
+  MotionTrack<Space> motion_;
   Relocalizer<Space> relocalizer_;
   std::unique_ptr<SlamEstimator<Space>> estimator_;
   PositionUpdates<Space> positions_;

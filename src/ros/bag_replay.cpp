@@ -127,6 +127,7 @@ void add_transforms(const rosbag::MessageInstance& instance, bool is_static, tf2
 }
 
 std::string refined_folder(const ReplayRequest& request) { return request.output_directory + "/refined"; }
+std::string global_folder(const ReplayRequest& request) { return request.output_directory + "/global"; }
 
 /// One run through a bag that is open and understood.
 class Replay {
@@ -140,6 +141,7 @@ class Replay {
       require_refining(request.options);
       recorder_ = std::make_unique<RunRecorder>(request.options.pipeline.input);
     }
+    if (request.global) global_ = std::make_unique<GlobalRun>(request.options);
     make_session();
   }
 
@@ -179,12 +181,14 @@ class Replay {
       summary_.refusals = session_->input().refusals();
       summary_.accepted = session_->input().accepted();
       remove_run(refined_folder(request_));
+      remove_run(global_folder(request_));
       writer_->write_beacons(session_->pipeline().beacons());
       writer_->finish(session_->pipeline().map(), summary_);
       write_map(request_.output_directory + "/map.yaml", request_.options.frames.map,
                 session_->pipeline().save(), request_.options.text);
     }
     if (recorder_) refine();
+    if (global_) report_.global = global_->finish(global_folder(request_), summary_);
     return report_;
   }
 
@@ -202,6 +206,7 @@ class Replay {
       buffer_.clear();  // mountings that are static stay
       if (writer_) writer_->restart();
       if (recorder_) recorder_->restart();
+      if (global_) global_->restart();
     };
     session_ = std::make_unique<SlamSession>(
         request_.options,
@@ -266,6 +271,7 @@ class Replay {
   void on_result(const SensorFrame& frame, const SlamResult& result) {
     if (writer_) writer_->add(frame, result);
     if (recorder_) recorder_->add(frame, result);
+    if (global_) global_->add(frame, result);
     for (const PositionOutcome& outcome : result.positions) ++position_verdicts_[outcome.verdict];
     is_aligned_ = is_aligned_ || result.map_from_global;
     if (result.looked || !result.positions.empty()) {
@@ -313,6 +319,7 @@ class Replay {
   tf2::BufferCore buffer_;
   std::unique_ptr<RunWriter> writer_;
   std::unique_ptr<RunRecorder> recorder_;  ///< for a refinement
+  std::unique_ptr<GlobalRun> global_;
   std::unique_ptr<SlamSession> session_;
   Clock::time_point message_start_;
   RunWriter::Summary summary_;

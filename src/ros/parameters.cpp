@@ -286,6 +286,36 @@ void visit(Visitor& v, FusionOptions& o, PositionOptions& positions) {
               "after the run's start: positions that are compared, but not used; for evaluations");
 }
 
+void visit(Visitor& v, GlobalMapOutput& o, GlobalMappingOptions& mapping) {
+  v.boolean(
+      "global_map/enabled", &o.enabled,
+      "slam_node: publish ~global_map, local maps in the frame of global positions; slam_replay: --global");
+  v.number("global_map/period", &o.period, 0.1, 3600.0, "s", "between two of them");
+  LocalMapOptions& local = mapping.local_maps;
+  v.integer("global_map/min_matches", &local.min_matches, 1, 100000, "landmarks",
+            "a look that matches fewer does not hold the robot in the local map");
+  v.number("global_map/gap_time", &local.gap_time, 0.0, kInfinity, "s",
+           "without such a look end the local map");
+  v.number("global_map/max_position_sigma", &local.max_position_sigma, 1e-3, kInfinity, "m",
+           "of the pose in the local map: more ends it");
+  v.number("global_map/max_turn_sigma_deg", &local.max_turn_sigma_deg, 0.1, 180.0, "deg", "likewise");
+  v.number(
+      "global_map/path_interval", &local.path_interval, 0.01, 3600.0, "s",
+      "between the places of the robot that are kept in the local map, and between positions that are used");
+  v.integer("global_map/max_path_points", &local.max_path_points, 4, 10000, "places",
+            "more end the local map");
+  GlobalMapOptions& integration = mapping.integration;
+  v.number("global_map/gate_probability", &integration.alignment.gate_probability, 0.5, 1.0, "-",
+           "share of the true positions that overlap with the path; the others are left out, and told");
+  v.number("global_map/max_alignment_sigma_deg", &integration.alignment.max_turn_sigma_deg, 0.1, 90.0, "deg",
+           "of how a local map is turned in the global frame: with more it is joined with its neighbour");
+  v.number("global_map/merge_probability", &integration.merge_probability, 1e-6, 1.0, "-",
+           "of the gate for the difference of two local maps' landmarks that are one");
+  v.integer(
+      "global_map/max_joined_points", &integration.max_joined_points, 4, 100000, "points",
+      "landmarks and places of neighbours that are placed together; more stay where they are not known");
+}
+
 void visit(Visitor& v, MapOptions& o) {
   v.text("map/directory", &o.directory, false, "the only folder that maps are saved to and loaded from");
   v.text("map/file_name", &o.file_name, false, "used by the services when they name none");
@@ -332,6 +362,7 @@ void visit(Visitor& v, RunOptions& o) {
   v.boolean("map/relocalize_when_lost", &o.pipeline.relocalize_when_lost,
             "localization: when most of what is seen is not in the map, look for the robot all over it");
   visit(v, o.fusion, o.pipeline.positions);
+  visit(v, o.global_map, o.pipeline.global_mapping);
   visit(v, o.output);
   if (std::abs(o.sync.odometry_delay) > o.sync.detection_delay) {
     throw ParameterError("input/odometry_delay: " + text_of(o.sync.odometry_delay) +

@@ -35,9 +35,9 @@ std::unique_ptr<LocalMaps<Spatial>> make_slam_of(const BuoyWorld& world) {
 /// Everything that one run of the two sensors produced.
 struct Recording {
   std::vector<LocalMap<Spatial>> local_maps;
-  std::vector<Eigen::Vector3d> slam_path;  ///< at each step from 1
-  Positions beacon_path;                   ///< the buoys' filter
-  Positions fixes;                         ///< of the buoys, independent of each other
+  std::vector<Eigen::Vector3d> slam_path;            ///< at each step from 1
+  Positions beacon_path;                             ///< the buoys' filter
+  std::vector<Stamped<GlobalPlace<Spatial>>> fixes;  ///< of the buoys, independent of each other
 };
 
 /// Algorithm 3, lines 1 to 15: the two sensors, each by itself.
@@ -58,7 +58,10 @@ Recording record(const BuoyWorld& truth) {
     if (ranges.empty()) continue;
     const auto report = buoys.update(stamp, ranges);
     recording.beacon_path.push_back({stamp, buoys.position()});
-    if (report.fix) recording.fixes.push_back({stamp, *report.fix});
+    if (!report.fix) continue;
+    GlobalPlace<Spatial> place;
+    place.antenna = *report.fix;
+    recording.fixes.push_back({stamp, place});
   }
   recording.local_maps = slam->maps();
   return recording;
@@ -151,7 +154,7 @@ GlobalExample example_of(const BuoyWorld& world, const Recording& recording, con
     example.slam.push_back(row(recording.slam_path[static_cast<std::size_t>(step - 1)]));
   }
   for (const auto& position : recording.beacon_path) example.beacons.push_back(row(position.value.mean));
-  for (const auto& fix : recording.fixes) example.global_positions.push_back(row(fix.value.mean));
+  for (const auto& fix : recording.fixes) example.global_positions.push_back(row(fix.value.antenna.mean));
   for (const auto& landmark : map.landmarks) example.landmarks.push_back(row(landmark.position_in_map));
   for (const auto& landmark : world.landmarks()) example.true_landmarks.push_back(row(landmark));
   for (const auto& segment : map.segments) {

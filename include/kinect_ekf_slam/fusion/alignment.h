@@ -9,17 +9,19 @@
 #include "kinect_ekf_slam/estimators/gaussian.h"
 #include "kinect_ekf_slam/estimators/pose_estimate.h"
 #include "kinect_ekf_slam/estimators/pose_parts.h"
+#include "kinect_ekf_slam/fusion/global_map_options.h"
 
 namespace kinect_ekf_slam {
 
 /// Places that are known in two frames. In the local frame they are linear in a vector of points s whose
-/// errors may be correlated: place k is sum_j weights(k, j) s_j, as a spline gives it. In the global one they
-/// are independent.
+/// errors may be correlated: place k is sum_j weights(k, j) s_j, as a spline gives it, and from there an
+/// offset, as from the base to an antenna. In the global one they are independent.
 template <class Space>
 struct AlignmentPairs {
   Eigen::VectorXd local_points;      ///< s: the points one after the other, m, in the local frame
   Eigen::MatrixXd local_covariance;  ///< of s, m^2
   Eigen::MatrixXd weights;           ///< a row a pair, a column a point
+  std::vector<Gaussian<Space::kPointDim>> offsets;    ///< m, m^2, in the local frame; empty: none
   std::vector<Gaussian<Space::kPointDim>> in_global;  ///< m, m^2; positive definite
 
   /// Point k and place k are one.
@@ -32,11 +34,6 @@ template <class Space>
 struct HeadingPrior {
   typename Space::Pose global_from_local;                        ///< its turn alone counts
   TurnMatrix<Space> covariance = TurnMatrix<Space>::Identity();  ///< rad^2, in the global frame's axes
-};
-
-struct AlignmentOptions {
-  double gate_probability = 0.999;   ///< of one pair's overlap test
-  double max_turn_sigma_deg = 10.0;  ///< deg; a turn less well known, about any axis, is no alignment
 };
 
 /// Two estimates of one place that do not overlap.

@@ -1,19 +1,22 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "kinect_ekf_slam/association/associator.h"
 #include "kinect_ekf_slam/core/stamped.h"
 #include "kinect_ekf_slam/fusion/alignment.h"
+#include "kinect_ekf_slam/fusion/global_map_options.h"
 #include "kinect_ekf_slam/mapping/local_map.h"
 
 namespace kinect_ekf_slam {
 
-struct GlobalMapOptions {
-  AlignmentOptions alignment;
-  AssociationOptions association;     ///< of landmarks between maps; several hypotheses are not kept
-  double merge_probability = 0.9999;  ///< of the gate for the difference of two landmarks that are to be one
+/// Where a sensor that knows the global frame says that it is: an antenna on the robot.
+template <class Space>
+struct GlobalPlace {
+  Gaussian<Space::kPointDim> antenna;                            ///< m, m^2
+  typename Space::Point antenna_in_base = Space::Point::Zero();  ///< m: the lever arm
+  std::optional<HeadingPrior<Space>> attitude;                   ///< of the base; absent: not measured
 };
 
 /// A stretch of the way in the global frame: one local map, or several that only together could be placed.
@@ -48,11 +51,11 @@ struct GlobalMap {
 ///
 /// A local map that cannot be placed by itself is joined with its neighbour, through the pose at which the
 /// one ends and the other starts and through the landmarks that both have, and they are placed together.
-/// `positions` ascend in time; their errors are independent. Throws std::invalid_argument when they do not
-/// ascend.
+/// Where the places lie on one line, the surest attitude among them says the heading. `places` ascend in
+/// time; their errors are independent. Throws std::invalid_argument when they do not ascend.
 template <class Space>
 GlobalMap<Space> integrate_maps(const std::vector<LocalMap<Space>>& maps,
-                                const std::vector<Stamped<Gaussian<Space::kPointDim>>>& positions,
+                                const std::vector<Stamped<GlobalPlace<Space>>>& places,
                                 const GlobalMapOptions& options);
 
 }  // namespace kinect_ekf_slam

@@ -25,7 +25,7 @@ struct LocalMap {
   /// The pose at `end`, the landmarks, and among them the path points in the order of their times.
   SlamState<Space> state;
   std::vector<TimeNs> path_stamps;  ///< of the path points, ascending, from `start` to `end`
-  /// The pose at each look as it was known then, with its covariance.
+  /// The pose at each look, and where nobody looked now and then, as it was known then.
   std::vector<Stamped<PoseEstimate<Space>>> poses;
   /// The next map starts where this one ends: false when the robot may have been carried in between.
   bool leads_to_next = true;
@@ -38,17 +38,6 @@ struct LocalMap {
     }
     return indices;
   }
-};
-
-/// When a new local map starts.
-struct LocalMapOptions {
-  bool enabled = false;
-  int min_matches = 3;               ///< landmarks that a look must match, or the map does not hold the robot
-  double gap_time = 3.0;             ///< s without such a look end the map, once there has been one
-  double max_position_sigma = 0.3;   ///< m along the worst axis, in the map's own frame
-  double max_turn_sigma_deg = 10.0;  ///< deg, likewise
-  double path_interval = 1.0;        ///< s between the path points
-  int max_path_points = 150;         ///< more end the map: they are part of the filter's state
 };
 
 }  // namespace kinect_ekf_slam

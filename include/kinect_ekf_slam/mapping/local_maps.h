@@ -6,6 +6,7 @@
 
 #include "kinect_ekf_slam/estimators/pose_parts.h"
 #include "kinect_ekf_slam/mapping/local_map.h"
+#include "kinect_ekf_slam/mapping/local_map_options.h"
 #include "kinect_ekf_slam/mapping/managed_map.h"
 
 namespace kinect_ekf_slam {
@@ -30,6 +31,8 @@ class LocalMaps : public SlamEstimator<Space> {
 
   void predict(const MotionStep<Space>& step) override { map_->predict(step); }
   UpdateReport observe(TimeNs stamp, const Observations& observations) override;
+  /// Nobody looked, and the path goes on.
+  void go_on(TimeNs stamp);
 
   PoseEstimate<Space> pose() const override { return product<Space>(map_from_local_, map_->pose()); }
   std::vector<LandmarkEstimate<Space>> landmarks() const override;
@@ -46,6 +49,9 @@ class LocalMaps : public SlamEstimator<Space> {
 
  private:
   void start_map();
+  void start_time(TimeNs stamp);
+  /// The pose is where the path has come to at `stamp`.
+  void keep_pose(TimeNs stamp);
   void close_map();
   LocalMap<Space> closed() const;
   bool is_over(TimeNs stamp) const;

@@ -2,7 +2,9 @@
 
 #include "kinect_ekf_slam/association/associator.h"
 #include "kinect_ekf_slam/estimators/options.h"
+#include "kinect_ekf_slam/fusion/global_map_options.h"
 #include "kinect_ekf_slam/mapping/life_cycle_options.h"
+#include "kinect_ekf_slam/mapping/local_map_options.h"
 #include "kinect_ekf_slam/models/input_conditioner.h"
 #include "kinect_ekf_slam/models/motion.h"
 #include "kinect_ekf_slam/models/sensor_model.h"
@@ -25,6 +27,12 @@ struct InitialPoseOptions {
   double heading_sigma_deg = 0.1;  ///< deg, about each axis; never zero
 };
 
+/// How several local maps become one in the frame of global positions.
+struct GlobalMappingOptions {
+  LocalMapOptions local_maps;
+  GlobalMapOptions integration;  ///< its association is the pipeline's
+};
+
 /// Everything that one run of the pipeline depends on.
 struct PipelineOptions {
   InputOptions input;
@@ -35,6 +43,7 @@ struct PipelineOptions {
   LifeCycleOptions life_cycle;
   InitialPoseOptions initial_pose;
   PositionOptions positions;
+  GlobalMappingOptions global_mapping;
   SpaceType space = SpaceType::kPlanar;
   Mode mode = Mode::kSlam;
   bool relocalize_when_lost =

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -25,6 +26,13 @@ struct PositionOptions {
   std::vector<Beacon> beacons;
   /// s after the run's first frame, from and to: positions that are compared, but not used.
   std::vector<std::pair<double, double>> withheld;
+
+  /// `since_start` s.
+  bool is_withheld(double since_start) const {
+    return std::any_of(withheld.begin(), withheld.end(), [&](const auto& stretch) {
+      return since_start >= stretch.first && since_start < stretch.second;
+    });
+  }
 };
 
 }  // namespace kinect_ekf_slam

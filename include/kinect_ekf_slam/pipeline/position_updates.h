@@ -49,7 +49,6 @@ class PositionUpdates {
                           const Eigen::MatrixXd& noise, Estimator* estimator);
   /// The estimate was wrong by so much: it does not know where the robot is any better.
   void distrust(double distance, Estimator* estimator) const;
-  bool is_withheld(TimeNs stamp) const;
   /// With errors that say again what the last ones said.
   GlobalPosition with_correlation(GlobalPosition position, TimeNs stamp);
 

@@ -10,21 +10,10 @@
 
 #include "kinect_ekf_slam/core/landmark.h"
 #include "kinect_ekf_slam/core/position.h"
+#include "kinect_ekf_slam/pipeline/landmark_3d.h"
 #include "kinect_ekf_slam/pipeline/pose_3d.h"
 
 namespace kinect_ekf_slam {
-
-/// A landmark of the map in three dimensions.
-struct Landmark3d {
-  int id = kNoId;
-  int source_id = kNoId;
-  std::string label;
-  double radius = 0.0;  ///< m, 0: unknown
-  std::uint32_t observations = 0;
-  bool confirmed = true;  ///< false: it may yet turn out that nothing is there
-  Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity() * kPlanarVariance;  ///< m^2
-};
 
 /// What became of one detection.
 struct DetectionOutcome {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "kinect_ekf_slam/ros/global_run.h"
 #include "kinect_ekf_slam/ros/run_options.h"
 #include "kinect_ekf_slam/ros/run_refiner.h"
 
@@ -16,6 +17,7 @@ struct ReplayRequest {
   std::string bag;
   std::string output_directory;  ///< empty: write nothing
   bool refine = false;           ///< also write the batch optimum, to `refined` in the output directory
+  bool global = false;           ///< also write one map in the frame of global positions, to `global` there
   RunOptions options;
   std::vector<std::string> warnings;        ///< of the options, one line each, to be kept with the results
   std::function<void(double)> on_progress;  ///< share done, 0 to 1; may be empty
@@ -31,6 +33,7 @@ struct ReplayReport {
   std::map<std::string, std::uint64_t> refusals;  ///< "input: reason" -> messages refused for it
   std::vector<std::string> warnings;              ///< what was odd about the bag, one line each
   std::optional<RefinementReport> refinement;
+  std::optional<GlobalRunReport> global;
 };
 
 /// Runs a bag through the same session as the live node: no master, no wall clock.

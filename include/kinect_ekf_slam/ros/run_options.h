@@ -46,6 +46,12 @@ struct FusionOptions {
   double fix_sigma = 0.0;     ///< m, of a fix without covariance; 0: it is refused
 };
 
+/// When slam_node makes a global map; how: PipelineOptions::global_mapping.
+struct GlobalMapOutput {
+  bool enabled = false;
+  double period = 10.0;  ///< s from one map to the next
+};
+
 struct MapOptions {
   std::string directory = "~/.ros/kinect_ekf_slam";
   std::string file_name = "map.yaml";
@@ -71,6 +77,7 @@ struct RunOptions {
   FrameOptions frames;
   SyncOptions sync;
   FusionOptions fusion;
+  GlobalMapOutput global_map;
   PipelineOptions pipeline;
   MapOptions map;
   OutputOptions output;

@@ -32,6 +32,7 @@ class RunWriter {
   void restart();
 
   void add(const SensorFrame& frame, const SlamResult& result);
+  void add_position(TimeNs stamp, const PositionOutcome& outcome);
 
   struct Summary {
     std::string bag;
@@ -68,7 +69,6 @@ class RunWriter {
   };
   void settle_rows(const std::vector<Landmark3d>& map);
   void revise(const SlamResult& result);
-  void add_position(TimeNs stamp, const PositionOutcome& outcome);
   static std::string to_csv(const std::vector<AssociationRow>& rows);
   static std::string landmark_rows(const std::vector<Landmark3d>& map);
   void write_summary(const std::vector<Landmark3d>& map, const Summary& summary);
