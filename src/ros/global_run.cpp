@@ -101,10 +101,6 @@ std::vector<std::string> warnings_of(const GlobalMap3d& map, const std::string& 
 
 }  // namespace
 
-const std::string& frame_of(const GlobalMap3d& map, const RunOptions& options) {
-  return map.positions_in_map ? options.frames.map : options.fusion.frame;
-}
-
 GlobalRun::GlobalRun(const RunOptions& options) : options_(options) { restart(); }
 
 void GlobalRun::restart() {

@@ -118,12 +118,42 @@ Marker MarkerPainter::marker(const std::string& space, int id, int type) const {
 MarkerArray MarkerPainter::paint(const MarkerScene& scene) {
   stamp_ = to_ros(scene.pose.stamp);
   MarkerArray array;
-  paint_landmarks(scene, &array);
+  paint_landmarks(scene.map, &array);
   paint_beacons(scene, &array);
   paint_robot(scene, &array);
   paint_associations(scene, &array);
   paint_path("path", scene.path, 2.0 * kThin, color(0.3, 0.65, 1.0, 1.0), &array);
   paint_path("dead_reckoning", scene.dead_reckoned_path, kThin, color(0.9, 0.55, 0.15, 0.7), &array);
+  return array;
+}
+
+MarkerArray MarkerPainter::paint(const GlobalMap3d& map) {
+  constexpr double kGoldenSection = 0.618;  // neighbours differ, however many there are
+  stamp_ = ros::Time();                     // the frame does not move: wherever it is now
+  MarkerArray array = clear();
+  paint_landmarks(map.landmarks, &array);
+  Marker positions = marker("positions", 0, Marker::POINTS);
+  positions.scale.x = positions.scale.y = 2.0 * kThin;
+  positions.color = color(0.6, 0.6, 0.6, 1.0);
+  for (const auto& position : map.positions) positions.points.push_back(to_point(position.antenna));
+  if (!positions.points.empty()) array.markers.push_back(positions);
+  for (std::size_t i = 0; i < map.segments.size(); ++i) {
+    const GlobalMap3d::Segment& segment = map.segments[i];
+    const auto id = static_cast<int>(i);
+    Marker path = marker("segments", id, Marker::LINE_STRIP);
+    path.scale.x = 2.0 * kThin;
+    path.color = hue(std::fmod(kGoldenSection * id, 1.0));
+    for (const Pose3d& pose : segment.path) path.points.push_back(to_point(pose.map_from_base.translation()));
+    if (path.points.size() > 1) array.markers.push_back(path);
+    Marker left_out = marker("left_out", id, Marker::LINE_LIST);
+    left_out.scale.x = kThin;
+    left_out.color = color(0.9, 0.2, 0.2, 0.8);
+    for (const auto& contradiction : segment.left_out) {
+      left_out.points.push_back(to_point(contradiction.by_path));
+      left_out.points.push_back(to_point(contradiction.by_position));
+    }
+    if (!left_out.points.empty()) array.markers.push_back(left_out);
+  }
   return array;
 }
 
@@ -167,10 +197,10 @@ Marker MarkerPainter::body_of(const Landmark3d& landmark) const {
   return body;
 }
 
-void MarkerPainter::paint_landmarks(const MarkerScene& scene, MarkerArray* array) {
+void MarkerPainter::paint_landmarks(const std::vector<Landmark3d>& map, MarkerArray* array) {
   std::set<int> gone;
   gone.swap(shown_);
-  for (const Landmark3d& landmark : scene.map) {
+  for (const Landmark3d& landmark : map) {
     gone.erase(landmark.id);
     shown_.insert(landmark.id);
     array->markers.push_back(body_of(landmark));

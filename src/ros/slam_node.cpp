@@ -46,7 +46,7 @@ SlamNode::SlamNode(const ros::NodeHandle& handle, const ros::NodeHandle& private
                {[this](const SensorFrame& frame, const SlamResult& result) { on_result(frame, result); },
                 [this] {
                   ROS_WARN("Time went back: a new run starts.");
-                  forget_what_was_shown();
+                  forget_run();
                 },
                 [](const std::string& line) { ROS_WARN_THROTTLE(kLogPeriod, "%s", line.c_str()); }}),
       health_({handle_.resolveName(options.sync.odometry_topic),
@@ -118,6 +118,12 @@ void SlamNode::connect() {
   diagnostics_.add("estimate", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
     health_.report_estimate(status);
   });
+  if (options_.global_map.enabled) {
+    global_map_ = std::make_unique<GlobalMapPublisher>(private_handle_, options_);
+    diagnostics_.add("global map", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
+      global_map_->report(status);
+    });
+  }
   health_.set_state(mode_name(options_.pipeline.mode), paused_);
   // Wall time: a simulated clock that stands still is worth a report as well.
   diagnostics_timer_ =
@@ -137,7 +143,7 @@ ros::Time SlamNode::now() {
   if (!last_now_.isZero() && seconds_between(now, last_now_) > options_.sync.time_jump) {
     ROS_WARN("The clock went back by %.1f s: a new run starts.", seconds_between(now, last_now_));
     session_.reset();
-    forget_what_was_shown();
+    forget_run();
   }
   last_now_ = now;
   return now;
@@ -207,6 +213,7 @@ void SlamNode::on_initial_pose(const geometry_msgs::PoseWithCovarianceStamped::C
   const std::optional<Pose3d> pose = session_.input().initial_pose(*message);
   if (!pose) return;
   session_.set_pose(*pose);
+  if (global_map_) global_map_->break_path();
   correction_.jump();
   scene_changed_ = true;
   ROS_INFO("initialpose: the robot is at (%.2f, %.2f) m", pose->map_from_base.translation().x(),
@@ -218,6 +225,7 @@ void SlamNode::on_result(const SensorFrame& frame, const SlamResult& result) {
   finite_ = result.finite;
   health_.note_result(result);
   if (!result.finite) return;
+  if (global_map_) global_map_->add(frame);
   publish_alignment(result);
   dead_reckoned_path_.add(to_point(result.dead_reckoned.translation()));
   if (!result.looked) return;
@@ -340,6 +348,11 @@ void SlamNode::forget_what_was_shown() {
   scene_changed_ = true;
 }
 
+void SlamNode::forget_run() {
+  forget_what_was_shown();
+  if (global_map_) global_map_->restart();
+}
+
 std::string SlamNode::save(const std::string& file_name) {
   std::string path =
       MapDirectory(options_.map.directory).resolve(file_name.empty() ? options_.map.file_name : file_name);
@@ -374,7 +387,7 @@ bool SlamNode::load_map(LoadMap::Request& request, LoadMap::Response& response) 
 
 bool SlamNode::reset(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response) {
   session_.reset();
-  forget_what_was_shown();
+  forget_run();
   response.success = true;
   response.message = options_.pipeline.mode == Mode::kSlam
                          ? "pose and map are forgotten"

@@ -26,9 +26,6 @@ struct GlobalRunReport {
   double seconds = 0.0;
 };
 
-/// The frame that a global map is in.
-const std::string& frame_of(const GlobalMap3d& map, const RunOptions& options);
-
 /// Makes the global map of a replay, and writes it.
 class GlobalRun {
  public:

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "kinect_ekf_slam/pipeline/global_mapper.h"
 #include "kinect_ekf_slam/pipeline/options.h"
 #include "kinect_ekf_slam/pipeline/slam_result.h"
 
@@ -55,10 +56,14 @@ class MarkerPainter {
       : frame_id_(std::move(frame_id)), sigmas_(sigmas), space_(space) {}
 
   visualization_msgs::MarkerArray paint(const MarkerScene& scene);
+  /// Its landmarks, each stretch of the way in a colour of its own, the positions, and red lines to those
+  /// that were left out. What was painted before goes.
+  visualization_msgs::MarkerArray paint(const GlobalMap3d& map);
   /// Removes everything that was ever painted.
   visualization_msgs::MarkerArray clear();
 
   void set_sigmas(double sigmas) { sigmas_ = sigmas; }
+  void set_frame(const std::string& frame_id) { frame_id_ = frame_id; }
 
  private:
   visualization_msgs::Marker marker(const std::string& space, int id, int type) const;
@@ -66,7 +71,7 @@ class MarkerPainter {
   visualization_msgs::Marker spread(const std::string& space, int id, const Eigen::Vector3d& position_in_map,
                                     const Eigen::Matrix3d& covariance) const;
   bool is_planar() const { return space_ == SpaceType::kPlanar; }
-  void paint_landmarks(const MarkerScene& scene, visualization_msgs::MarkerArray* array);
+  void paint_landmarks(const std::vector<Landmark3d>& map, visualization_msgs::MarkerArray* array);
   void paint_beacons(const MarkerScene& scene, visualization_msgs::MarkerArray* array) const;
   void paint_robot(const MarkerScene& scene, visualization_msgs::MarkerArray* array) const;
   void paint_associations(const MarkerScene& scene, visualization_msgs::MarkerArray* array) const;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "kinect_ekf_slam/pipeline/global_mapper.h"
 #include "kinect_ekf_slam/pipeline/options.h"
 
 namespace kinect_ekf_slam {
@@ -83,5 +84,10 @@ struct RunOptions {
   OutputOptions output;
   std::string text;  ///< the YAML that all this was read from, for map files
 };
+
+/// The frame that a global map is in.
+inline const std::string& frame_of(const GlobalMap3d& map, const RunOptions& options) {
+  return map.positions_in_map ? options.frames.map : options.fusion.frame;
+}
 
 }  // namespace kinect_ekf_slam

@@ -20,6 +20,7 @@
 #include <string>
 
 #include "kinect_ekf_slam/ros/bounded_landmarks.h"
+#include "kinect_ekf_slam/ros/global_map_publisher.h"
 #include "kinect_ekf_slam/ros/gradual_correction.h"
 #include "kinect_ekf_slam/ros/health.h"
 #include "kinect_ekf_slam/ros/markers.h"
@@ -67,6 +68,8 @@ class SlamNode {
   bool relocalize(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
   void forget_what_was_shown();
+  /// The clock went back, or ~reset was called.
+  void forget_run();
   void publish_pose(const nav_msgs::Odometry& odometry);
   void publish_transform(const Pose3d& pose, const geometry_msgs::Pose& odom_from_base);
   /// tf fusion/frame -> map, each time that it changes.
@@ -85,6 +88,7 @@ class SlamNode {
   SlamSession session_;
   Health health_;
   MarkerPainter painter_;
+  std::unique_ptr<GlobalMapPublisher> global_map_;  ///< if global_map/enabled
   Trail path_;
   Trail dead_reckoned_path_;
   GradualCorrection correction_;

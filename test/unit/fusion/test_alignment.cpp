@@ -85,6 +85,24 @@ TYPED_TEST(AlignmentOf, ExactPlacesIsTheTransformItself) {
   }
 }
 
+/// An antenna beside the path is as good as the path.
+TYPED_TEST(AlignmentOf, PlacesBesideThePathIsTheSameTransform) {
+  using Space = TypeParam;
+  AlignmentPairs<Space> pairs = TestFixture::exact_pairs(12);
+  for (std::size_t k = 0; k < pairs.in_global.size(); ++k) {
+    const typename Space::Point offset = Space::Point::Constant(0.5 + 0.1 * static_cast<double>(k));
+    pairs.offsets.push_back({offset, 1e-4 * Space::PointMatrix::Identity()});
+    pairs.in_global[k].mean += TestFixture::transform().rotation() * offset;
+  }
+  const auto beside = align_frames<Space>(pairs, {});
+  const auto on_path = align_frames<Space>(TestFixture::exact_pairs(12), {});
+  ASSERT_TRUE(beside.alignment) << beside.refusal;
+  EXPECT_TRUE(PoseNear(beside.alignment->global_from_local.map_from_base, TestFixture::transform(), 1e-9));
+  EXPECT_GT(beside.alignment->global_from_local.covariance.trace(),
+            on_path.alignment->global_from_local.covariance.trace())
+      << "an offset that is not exact makes it no surer";
+}
+
 /// NEES of the transform and of transform and path together, and the residual's distance, over many runs.
 TYPED_TEST(AlignmentOf, KnowsItsErrors) {
   using Space = TypeParam;

@@ -103,6 +103,34 @@ TYPED_TEST(LocalMapsIn, StartAnewWhenThePoseIsTooUncertainOrThePathTooLong) {
   EXPECT_EQ(full->maps().size(), 3U);
 }
 
+/// A camera that says nothing is no reason to lose the way, or to forget landmarks that it does not look at.
+TYPED_TEST(LocalMapsIn, GoOnWhereNobodyLooks) {
+  using Space = TypeParam;
+  LocalMapOptions options;
+  options.gap_time = 5.0;
+  options.max_position_sigma = options.max_turn_sigma_deg = 1e3;
+  const auto maps = TestFixture::make(options);
+  Scenario<Space> scenario(1, 30);
+  std::vector<typename Space::Pose> truth;
+  TestFixture::run(&scenario, 10, 0, 0, maps.get(), &truth);
+  const std::size_t landmarks = maps->landmarks().size();
+  typename Space::PoseVector twist = Space::PoseVector::Zero();
+  twist(0) = 0.2;
+  for (int second = 11; second <= 14; ++second) {
+    maps->predict(scenario.drive(twist));
+    maps->go_on(to_nanoseconds(second));
+  }
+  ASSERT_EQ(maps->maps().size(), 1U);
+  EXPECT_EQ(maps->maps()[0].end, to_nanoseconds(14.0));
+  EXPECT_EQ(maps->maps()[0].path_stamps.size(), 15U);
+  EXPECT_EQ(maps->landmarks().size(), landmarks);
+  for (int second = 15; second <= 16; ++second) maps->go_on(to_nanoseconds(second));
+  ASSERT_EQ(maps->maps().size(), 1U) << "closed at 16 s, and nothing of the next one yet";
+  EXPECT_EQ(maps->maps()[0].end, to_nanoseconds(16.0));
+  maps->go_on(to_nanoseconds(17.0));
+  EXPECT_EQ(maps->maps().size(), 2U);
+}
+
 /// The path points do not change what the filter says, and association does not see them.
 TYPED_TEST(LocalMapsIn, WithOneMapIsThePlainFilter) {
   using Space = TypeParam;
