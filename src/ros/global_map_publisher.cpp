@@ -85,6 +85,8 @@ void GlobalMapPublisher::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   status.summaryf(DiagnosticStatus::OK, "%zd of %zu stretches placed", placed, map_.segments.size());
   if (map_.positions.empty()) {
     status.summary(DiagnosticStatus::OK, "no global positions yet");
+  } else if (map_.segments.empty()) {
+    status.summary(DiagnosticStatus::OK, "no way yet");
   } else if (placed == 0) {
     status.summary(DiagnosticStatus::WARN, "not placed: " + map_.segments.back().refusal);
   } else if (last != nullptr && last->stamp >= map_.segments.back().start) {

@@ -166,6 +166,7 @@ GlobalRunReport GlobalRun::finish(const std::string& directory, const RunWriter:
         (options_.fusion.fix_topic.empty() ? " or fusion/fix_topic"
                                            : " or '" + options_.fusion.fix_topic + "'"));
   }
+  if (report.segments == 0) throw std::runtime_error("--global: the run has no way: no odometry came");
   if (report.placed == 0) throw std::runtime_error("--global: " + report.warnings.front());
 
   RunWriter writer(directory, options_.output.trajectory_rate);

@@ -9,7 +9,11 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <filesystem>
+#include <set>
+#include <sstream>
 
 #include "kinect_ekf_slam/ros/parameters.h"
 #include "test/support/temporary_folder.h"
@@ -102,6 +106,21 @@ class BagReplay : public ::testing::Test {
       message.pose.pose.orientation.w = 1.0;
       for (const std::size_t axis : {0U, 7U, 14U}) message.pose.covariance[axis] = 1e-4;
       bag.write("/global_position", ros::Time(time + 0.3), message);
+    }
+  }
+  /// The same with the heading; the robot drives along y.
+  void add_poses() const {
+    rosbag::Bag bag(request_.bag, rosbag::bagmode::Append);
+    for (int i = 0; i < kSteps; i += 2) {
+      const double time = kStart + 0.05 * i;
+      geometry_msgs::PoseWithCovarianceStamped message;
+      message.header.stamp = ros::Time(time);
+      message.header.frame_id = "earth";
+      message.pose.pose.position.x = 100.0;
+      message.pose.pose.position.y = 50.0 + kSpeed * (time - kStart);
+      message.pose.pose.orientation.z = message.pose.pose.orientation.w = std::sqrt(0.5);
+      for (const std::size_t axis : {0U, 7U, 14U, 21U, 28U, 35U}) message.pose.covariance[axis] = 1e-4;
+      bag.write("/global_position", ros::Time(time + 0.01), message);
     }
   }
   std::string refusal() {
@@ -205,6 +224,55 @@ TEST_F(BagReplay, SaysWhatARefinementLacks) {
   EXPECT_TRUE(line == "--refine: the run has no sighting of a landmark" ||
               line.find("without Ceres") != std::string::npos)
       << line;
+}
+
+TEST_F(BagReplay, WritesOneMapInTheFrameOfThePositions) {
+  write_run();
+  add_poses();
+  request_.global = true;
+  const ReplayReport report = replay_bag(request_);
+  ASSERT_TRUE(report.global.has_value());
+  EXPECT_EQ(report.global->frame, "earth");
+  EXPECT_EQ(report.global->placed, report.global->segments);
+  EXPECT_EQ(report.global->landmarks, 2U);
+  EXPECT_EQ(report.global->positions, 5U) << "one a second: global_map/path_interval";
+  EXPECT_EQ(report.global->warnings, std::vector<std::string>{});
+  for (const char* name : {"trajectory.tum", "trajectory_covariance.csv", "dead_reckoning.tum",
+                           "landmarks.csv", "positions.csv", "summary.json", "parameters.yaml"}) {
+    EXPECT_NE(out(std::string("global/") + name), "") << name;
+  }
+  EXPECT_EQ(lines(out("global/positions.csv")), 1 + 5);
+  EXPECT_EQ(out("global/segments.csv").substr(0, 40), "segment,first_map,last_map,start,end,pos");
+
+  std::istringstream rows(out("global/landmarks.csv"));
+  std::string row;
+  std::getline(rows, row);
+  std::set<double> aside;
+  while (std::getline(rows, row)) {
+    double x = 0.0;
+    double y = 0.0;
+    const std::size_t place =
+        row.rfind("\",") == std::string::npos ? row.find("right,") + 5 : row.rfind("\",") + 1;
+    ASSERT_EQ(std::sscanf(row.c_str() + place, ",%lf,%lf", &x, &y), 2) << row;
+    aside.insert(std::round(10.0 * (x - 100.0)));
+    EXPECT_NEAR(y, 52.0, 0.05) << row;
+  }
+  EXPECT_EQ(aside, (std::set<double>{-4.0, 4.0}));
+}
+
+TEST_F(BagReplay, SaysWhyThereIsNoGlobalMap) {
+  write_run();
+  request_.global = true;
+  EXPECT_EQ(refusal(),
+            "--global: the run has no global positions; a map in their frame needs some on 'global_position' "
+            "(fusion/positions_topic) or fusion/fix_topic");
+  add_positions();
+  set({"global_map/max_alignment_sigma_deg=0.1"});  // so well a way of half a metre tells no heading
+  const std::string line = refusal();
+  EXPECT_EQ(line.rfind("--global: local map", 0), 0U) << line;
+  EXPECT_NE(line.find("near to one line"), std::string::npos) << line;
+  set({"estimator/type=fastslam1"});
+  EXPECT_EQ(refusal().rfind("--global: estimator/type: ", 0), 0U) << refusal();
 }
 
 TEST_F(BagReplay, TakesAwayWhatAnEarlierRunWasRefinedTo) {

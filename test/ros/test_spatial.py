@@ -2,23 +2,19 @@
 """slam_node in space: a simulated robot flies through a room of balls; what is published is right in all six axes."""
 import copy
 import os
-import subprocess
 import sys
-import tempfile
 import unittest
 
 import numpy as np
-import rosbag
 import rospy
 import rostest
-import yaml
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from visualization_msgs.msg import Marker
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, "support"))
 
-import scenario  # noqa: E402
-from node_process import ROOT, executable  # noqa: E402
+from node_process import ROOT  # noqa: E402
+from recording import Recording, positions  # noqa: E402
 from slam_run import SlamRun  # noqa: E402
 from waiting import wait_until  # noqa: E402
 
@@ -50,10 +46,6 @@ def near(messages, stamp):
     return next((message for message in reversed(list(messages)) if message.header.stamp == stamp), None)
 
 
-def positions(landmark_map, key="source_id"):
-    return {getattr(item, key): (item.position.x, item.position.y, item.position.z) for item in landmark_map.landmarks}
-
-
 def landmark_rmse(found, true):
     """m, after the best rigid motion."""
     assert set(found) == set(true), (found, true)
@@ -64,55 +56,14 @@ def landmark_rmse(found, true):
     return np.sqrt((errors**2).sum(1).mean())
 
 
-class Recording:
-    """A simulated flight, by topic."""
-
-    def __init__(self, seconds, exact_detections=False):
-        with tempfile.TemporaryDirectory() as folder:
-            bag, world = os.path.join(folder, "flight.bag"), os.path.join(folder, "world.yaml")
-            with open(os.path.join(ROOT, "config", "worlds", "room_3d.yaml"), encoding="utf-8") as file:
-                options = yaml.safe_load(file)
-            if exact_detections:
-                options["sensor"]["noise_scale"] = 0.0
-            with open(world, "w", encoding="utf-8") as file:
-                yaml.safe_dump(options, file)
-            subprocess.run([executable("slam_simulate"), "--world", world, "--duration", str(seconds), "--out", bag],
-                           check=True, stdout=subprocess.DEVNULL)
-            with rosbag.Bag(bag) as file:
-                self.messages = [(topic, message) for topic, message, _ in file.read_messages()]
-
-    def of(self, topic):
-        return [message for name, message in self.messages if name == topic]
-
-    @property
-    def mountings(self):
-        return self.of("/tf_static")[0].transforms
-
-    @property
-    def true_landmarks(self):
-        """{identity: (x, y, z)} in the world."""
-        return positions(self.of("/ground_truth/landmarks")[0], "id")
-
-    def play(self, run):
-        """Sends all to the node; each odometry is waited for, so that nothing is lost. Until all is mapped."""
-        for topic, message in self.messages:
-            if topic in ("/imu", "/landmarks", "/odom"):
-                run.publish(topic[1:], message)
-            if topic == "/odom":
-                stamp = scenario.to_ns(message.header.stamp)
-                wait_until(lambda: run.pose_stamp() == stamp,
-                           lambda: "the pose came; the node says:\n" + run.process.said())
-        wait_until(lambda: run.map.last and len(run.map.last.landmarks) == len(self.true_landmarks),
-                   lambda: "all landmarks are mapped; there are %d" % len(run.map.last.landmarks))
-
-
 class Spatial(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.flight = Recording(FLIGHT)
+        cls.flight = Recording("room_3d.yaml", FLIGHT)
         cls.run_of_flight = SlamRun(OVERRIDES, mountings=cls.flight.mountings)
         cls.addClassCleanup(cls.run_of_flight.close)
         cls.flight.play(cls.run_of_flight)
+        cls.flight.wait_for_the_map(cls.run_of_flight)
 
     def test_landmarks_are_at_their_places_and_heights(self):
         found = positions(self.run_of_flight.map.last)
@@ -190,7 +141,7 @@ class RangeBearingElevation(unittest.TestCase):
         return message
 
     def test_a_room_is_mapped_from_ranges_and_angles(self):
-        flight = Recording(FLIGHT, exact_detections=True)
+        flight = Recording("room_3d.yaml", FLIGHT, {"sensor": {"noise_scale": 0.0}})
         rng = np.random.default_rng(5)
         flight.messages = [(topic, self.as_readings(message, rng) if topic == "/landmarks" else message)
                            for topic, message in flight.messages]
@@ -201,6 +152,7 @@ class RangeBearingElevation(unittest.TestCase):
         run = SlamRun(OVERRIDES, mountings=[*flight.mountings, ranger])
         self.addCleanup(run.close)
         flight.play(run)
+        flight.wait_for_the_map(run)
         self.assertLess(landmark_rmse(positions(run.map.last), flight.true_landmarks), 0.05)
 
 
