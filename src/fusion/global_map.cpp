@@ -1,6 +1,8 @@
 #include "kinect_ekf_slam/fusion/global_map.h"
 
+#include <Eigen/LU>
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -24,6 +26,68 @@ Points<Space> points_at(const SlamState<Space>& state, const std::vector<int>& i
     points.push_back(state.landmarks_in_map.template segment<Space::kPointDim>(Space::kPointDim * i));
   }
   return points;
+}
+
+/// A frame is told by its origin and the ends of its axes: points of these ids, so that what moves the
+/// landmarks moves it with them, and its errors' correlations with theirs are kept.
+constexpr int kOrigin = std::numeric_limits<int>::min();
+
+bool is_frame_point(const LandmarkInfo& info) { return info.id <= kOrigin + 3; }
+/// Where the robot was.
+bool is_place(const LandmarkInfo& info) { return is_path_point(info) && !is_frame_point(info); }
+bool is_landmark(const LandmarkInfo& info) { return !is_path_point(info); }
+
+/// The state with the points of its own frame, in which they are exact.
+template <class Space>
+SlamState<Space> with_frame(const SlamState<Space>& state) {
+  constexpr int kDim = Space::kPointDim;
+  SlamState<Space> result = state;
+  const Eigen::Index size = state.covariance.rows();
+  constexpr Eigen::Index kAdded = kDim * (kDim + 1);
+  result.covariance.conservativeResize(size + kAdded, size + kAdded);
+  result.covariance.bottomRows(kAdded).setZero();
+  result.covariance.rightCols(kAdded).setZero();
+  result.landmarks_in_map.conservativeResize(state.landmarks_in_map.size() + kAdded);
+  result.landmarks_in_map.tail(kAdded).setZero();
+  for (int i = 0; i <= kDim; ++i) {
+    if (i > 0) result.landmarks_in_map.tail(kAdded)(kDim * i + i - 1) = 1.0;  // m
+    LandmarkInfo info;
+    info.id = kOrigin + i;
+    result.infos.push_back(info);
+  }
+  return result;
+}
+
+/// Where the frame is that was at `before` when its points, by their indices in the state, were made.
+template <class Space>
+PoseEstimate<Space> frame_of(const SlamState<Space>& state, const std::vector<int>& frame_points,
+                             const typename Space::Pose& before) {
+  constexpr int kDim = Space::kPointDim;
+  constexpr int kTurns = Space::kTurnDim;
+  const SlamState<Space> frame = with_points<Space>(state, frame_points);
+  const auto point = [&](int i) { return frame.landmarks_in_map.template segment<kDim>(kDim * i); };
+  TurnMatrix<Space> information = TurnMatrix<Space>::Zero();
+  Eigen::MatrixXd turn_by_points = Eigen::MatrixXd::Zero(kTurns, kDim * (kDim + 1));
+  TurnVector<Space> pull = TurnVector<Space>::Zero();
+  for (int axis = 0; axis < kDim; ++axis) {
+    const typename Space::Point end = before.rotation().col(axis);
+    const typename Space::PointByTurn by_turn = Space::by_turn(end);
+    information += by_turn.transpose() * by_turn;
+    pull += by_turn.transpose() * (point(axis + 1) - point(0) - end);
+    turn_by_points.template middleCols<kDim>(kDim * (axis + 1)) = by_turn.transpose();
+    turn_by_points.template leftCols<kDim>() -= by_turn.transpose();
+  }
+  const TurnMatrix<Space> inverse = information.inverse();
+  Eigen::MatrixXd pose_by_points = Eigen::MatrixXd::Zero(Space::kPoseDim, kDim * (kDim + 1));
+  pose_by_points.template topLeftCorner<kDim, kDim>().setIdentity();
+  pose_by_points.bottomRows(kTurns) = inverse * turn_by_points;
+  const Eigen::Index size = frame.landmarks_in_map.size();
+  PoseEstimate<Space> pose;
+  pose.map_from_base = pose_from_parts<Space>(
+      point(0), turn_exp<Space>(TurnVector<Space>(inverse * pull)) * turn_of<Space>(before));
+  pose.covariance =
+      pose_by_points * frame.covariance.bottomRightCorner(size, size) * pose_by_points.transpose();
+  return pose;
 }
 
 /// Where each local pose was, at the times of the path points.
@@ -244,9 +308,9 @@ class MapIntegration {
   void add_to(std::vector<Cluster<Space>>* clusters, const PlacedMap<Space>& placed, int number) {
     const SlamState<Space>& local = placed.aligned;
     Cluster<Space> added;
-    added.state = moved_by_pose<Space>(local);
-    added.segment_of_point.assign(local.infos.size(), number);
-    added.dropped.assign(local.infos.size(), false);
+    added.state = moved_by_pose<Space>(with_frame<Space>(local));
+    added.segment_of_point.assign(added.state.infos.size(), number);
+    added.dropped.assign(added.state.infos.size(), false);
     int offset = 0;  // of the map's own points
     std::vector<Cluster<Space>> others;
     for (Cluster<Space>& cluster : *clusters) {
@@ -283,8 +347,8 @@ class MapIntegration {
   static std::optional<int> last_place(const Cluster<Space>& cluster, int segment) {
     std::optional<int> last;
     for (std::size_t i = 0; i < cluster.state.infos.size(); ++i) {
-      const bool is_place = cluster.segment_of_point[i] == segment && is_path_point(cluster.state.infos[i]);
-      if (is_place) last = static_cast<int>(i);
+      const bool is_of_path = cluster.segment_of_point[i] == segment && is_place(cluster.state.infos[i]);
+      if (is_of_path) last = static_cast<int>(i);
     }
     return last;
   }
@@ -294,7 +358,7 @@ class MapIntegration {
                                                const SlamState<Space>& local) const {
     std::vector<int> landmarks;
     for (std::size_t i = 0; i < cluster.state.infos.size(); ++i) {
-      if (!cluster.dropped[i] && !is_path_point(cluster.state.infos[i]))
+      if (!cluster.dropped[i] && is_landmark(cluster.state.infos[i]))
         landmarks.push_back(static_cast<int>(i));
     }
     SlamState<Space> seen_from_frame = with_points<Space>(cluster.state, landmarks);
@@ -311,7 +375,7 @@ class MapIntegration {
 
   void tell_landmarks(const Cluster<Space>& cluster, GlobalMap<Space>* global) const {
     for (std::size_t i = 0; i < cluster.state.infos.size(); ++i) {
-      if (cluster.dropped[i] || is_path_point(cluster.state.infos[i])) continue;
+      if (cluster.dropped[i] || !is_landmark(cluster.state.infos[i])) continue;
       const auto point = static_cast<Eigen::Index>(i);
       const Eigen::Index row = Space::kPoseDim + kDim * point;
       LandmarkEstimate<Space> landmark;
@@ -331,10 +395,14 @@ class MapIntegration {
       return std::count(candidate.segment_of_point.begin(), candidate.segment_of_point.end(), number) > 0;
     });
     std::vector<int> path;
+    std::vector<int> frame_points;
     for (std::size_t i = 0; i < cluster->state.infos.size(); ++i) {
-      if (cluster->segment_of_point[i] != number || !is_path_point(cluster->state.infos[i])) continue;
-      path.push_back(static_cast<int>(i));
+      if (cluster->segment_of_point[i] != number) continue;
+      if (is_place(cluster->state.infos[i])) path.push_back(static_cast<int>(i));
+      if (is_frame_point(cluster->state.infos[i])) frame_points.push_back(static_cast<int>(i));
     }
+    PoseEstimate<Space>& frame = placed->segment.global_from_local;
+    frame = frame_of<Space>(cluster->state, frame_points, frame.map_from_base);
     const LocalMap<Space>& map = placed->map;
     const PathSpline<kDim> now(map.path_stamps, points_at(cluster->state, path));
     const PathSpline<kDim> then(map.path_stamps, positions_then(map));
@@ -342,7 +410,6 @@ class MapIntegration {
     for (const auto& pose : map.poses) stamps.push_back(pose.stamp);
     const Eigen::MatrixXd weights = now.weights(stamps);
     const Eigen::MatrixXd covariance = with_points<Space>(cluster->state, path).covariance;
-    const PoseEstimate<Space>& frame = placed->segment.global_from_local;
     constexpr int kPose = Space::kPoseDim;
     placed->segment.path.clear();
     for (std::size_t k = 0; k < map.poses.size(); ++k) {
