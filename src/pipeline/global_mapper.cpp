@@ -1,9 +1,11 @@
 #include "kinect_ekf_slam/pipeline/global_mapper.h"
 
-#include <algorithm>
+#include <cmath>
+#include <map>
 #include <optional>
 #include <utility>
 
+#include "kinect_ekf_slam/fusion/beacon_localization.h"
 #include "kinect_ekf_slam/fusion/global_map.h"
 #include "kinect_ekf_slam/mapping/slam_factory.h"
 #include "kinect_ekf_slam/models/measurement.h"
@@ -76,6 +78,7 @@ class SpaceMapper : public GlobalMapper {
     if (const auto step = motion_.advance(frame)) local_maps_->predict(*step);
     if (frame.global_position) take(*frame.global_position, frame.stamp, false);
     if (frame.position) take(*frame.position, frame.stamp, true);
+    if (!frame.ranges.empty()) take(frame.ranges, frame.stamp);
     if (frame.detections) {
       local_maps_->observe(frame.stamp, Sightings<Space>(*frame.detections, options_.sensor).observations);
       last_pose_ = frame.stamp;
@@ -111,28 +114,84 @@ class SpaceMapper : public GlobalMapper {
 
   void take(const GlobalPosition& position, TimeNs stamp, bool in_map) {
     if (!is_usable(position) || options_.positions.is_withheld(to_seconds(stamp - *first_))) return;
+    GlobalPlace<Space> place;
+    place.antenna.mean = Space::from_3d(position.position_in_map);
+    place.antenna.covariance =
+        Space::from_3d(Eigen::Matrix3d(position.covariance.template topLeftCorner<3, 3>()));
+    place.antenna_in_base = Space::from_3d(position.antenna_in_base);
+    if (position.map_from_base) place.attitude = attitude_of<Space>(position);
+    keep(place, stamp, in_map);
+  }
+
+  /// Line 15: ranges tell the place by themselves. The beacons are in the map's frame.
+  void take(const std::vector<BeaconRange>& ranges, TimeNs stamp) {
+    if (!buoys_) start_buoys(stamp);
+    std::vector<BeaconRange> level_ranges;
+    for (const BeaconRange& range : ranges) {
+      if (const auto level = on_a_level(range)) level_ranges.push_back(*level);
+    }
+    const auto report = buoys_->update(stamp, level_ranges);
+    if (!report.fix) return;
+    GlobalPlace<Space> place;
+    place.antenna = *report.fix;
+    place.antenna_in_base = Space::from_3d(ranges.front().receiver_in_base);
+    keep(place, stamp, true);
+  }
+
+  /// An error of a beacon's place is the same at all times: only those that are known well give places whose
+  /// errors are independent.
+  void start_buoys(TimeNs stamp) {
+    constexpr double kWellKnown = 0.2;   // m
+    constexpr double kStartSigma = 2.0;  // m: it need not be known well where the robot starts
+    typename BeaconLocalization<Space>::Beacons beacons;
+    for (const Beacon& beacon : options_.positions.beacons) {
+      if (beacon.sigma > kWellKnown) continue;
+      beacons[beacon.id] = {Space::from_3d(beacon.position_in_map),
+                            beacon.sigma * beacon.sigma * Space::PointMatrix::Identity()};
+      beacon_heights_[beacon.id] = beacon.position_in_map.z();
+    }
+    const InitialPoseOptions& start = options_.initial_pose;
+    const double variance = kStartSigma * kStartSigma + start.position_sigma * start.position_sigma;
+    buoys_.emplace(std::move(beacons), BeaconLocalizationOptions(), stamp,
+                   Gaussian<Space::kPointDim>{Space::from_3d(Eigen::Vector3d(start.x, start.y, start.z)),
+                                              variance * Space::PointMatrix::Identity()});
+  }
+
+  /// In the plane: the horizontal part of a range to a beacon that is higher than the receiver.
+  std::optional<BeaconRange> on_a_level(BeaconRange range) const {
+    const auto height = beacon_heights_.find(range.beacon);
+    if (!is_usable(range) || height == beacon_heights_.end()) return std::nullopt;
+    if constexpr (Space::kPointDim < 3) {
+      const double rise = height->second - range.receiver_in_base.z();
+      const double squared = range.range * range.range - rise * rise;
+      if (!(squared > range.variance)) return std::nullopt;  // below the beacon a range tells no distance
+      const double level = std::sqrt(squared);
+      range.variance *= range.range * range.range / squared;
+      range.range = level;
+    }
+    return range;
+  }
+
+  /// Of what comes often, one an interval: errors of neighbours resemble each other.
+  void keep(GlobalPlace<Space> place, TimeNs stamp, bool in_map) {
     if (in_map_.value_or(in_map) != in_map) {
       ++ignored_;
       return;
     }
     in_map_ = in_map;
-    const double since_last = places_.empty() ? 0.0 : to_seconds(stamp - places_.back().stamp);
-    if (!places_.empty() && since_last < options_.global_mapping.local_maps.path_interval) return;
-    GlobalPlace<Space> place;
-    place.antenna.mean = Space::from_3d(position.position_in_map);
-    place.antenna.covariance =
-        Space::from_3d(Eigen::Matrix3d(position.covariance.template topLeftCorner<3, 3>()));
     if (!places_.empty()) {
+      const double since_last = to_seconds(stamp - places_.back().stamp);
+      if (since_last < options_.global_mapping.local_maps.path_interval) return;
       place.antenna.covariance *= correlation_inflation(since_last, options_.positions.correlation_time);
     }
-    place.antenna_in_base = Space::from_3d(position.antenna_in_base);
-    if (position.map_from_base) place.attitude = attitude_of<Space>(position);
     places_.push_back({stamp, place});
   }
 
   PipelineOptions options_;
   MotionTrack<Space> motion_;
   std::unique_ptr<LocalMaps<Space>> local_maps_;
+  std::optional<BeaconLocalization<Space>> buoys_;
+  std::map<int, double> beacon_heights_;  ///< m, of those that are known well
   std::vector<Stamped<GlobalPlace<Space>>> places_;
   std::optional<bool> in_map_;  ///< the frame that the positions are in
   std::size_t ignored_ = 0;

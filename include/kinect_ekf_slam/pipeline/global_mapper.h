@@ -53,8 +53,8 @@ struct GlobalMap3d {
 /// SLAM in one local map after the other, and beside it, not in the filter, global positions; then all of it
 /// in one frame. It takes the frames that the pipeline takes.
 ///
-/// Positions come from one frame, the one that the first of them is in. Of those that come often, one is kept
-/// each LocalMapOptions::path_interval.
+/// Positions come from one frame, the one that the first of them is in; ranges to beacons that are known well
+/// tell positions in the map's. Of those that come often, one is kept each LocalMapOptions::path_interval.
 class GlobalMapper {
  public:
   virtual ~GlobalMapper() = default;
