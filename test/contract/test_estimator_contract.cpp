@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "kinect_ekf_slam/core/angles.h"
 #include "test/support/matchers.h"
 #include "test/support/slam_scenario.h"
 

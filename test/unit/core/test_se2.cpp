@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/core/se2.h"
 #include "test/support/matchers.h"
 

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <random>
 
+#include "kinect_ekf_slam/core/angles.h"
 #include "test/support/matchers.h"
 
 namespace kinect_ekf_slam {

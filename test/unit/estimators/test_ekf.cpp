@@ -6,6 +6,7 @@
 #include <random>
 
 #include "kinect_ekf_slam/association/associator.h"
+#include "kinect_ekf_slam/core/angles.h"
 #include "test/support/matchers.h"
 
 namespace kinect_ekf_slam {

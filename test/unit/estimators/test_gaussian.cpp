@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 
+#include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/core/random_stream.h"
 #include "test/support/matchers.h"
 

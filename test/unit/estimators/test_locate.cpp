@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/core/chi_square.h"
 #include "kinect_ekf_slam/core/random_stream.h"
 #include "test/support/matchers.h"

@@ -1,6 +1,8 @@
 /// What a map's keeper does to a filter's landmarks: two that turn out to be one, and those that go.
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+
 #include "test/support/matchers.h"
 #include "test/support/slam_scenario.h"
 

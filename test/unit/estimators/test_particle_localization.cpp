@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/estimators/particles.h"
 #include "test/support/matchers.h"
 #include "test/support/slam_scenario.h"

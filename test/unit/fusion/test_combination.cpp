@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/core/random_stream.h"
 #include "test/support/matchers.h"
 

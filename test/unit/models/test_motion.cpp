@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "kinect_ekf_slam/core/angles.h"
 #include "test/support/matchers.h"
 #include "test/support/spaces.h"
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/core/random_stream.h"
 #include "test/support/matchers.h"
 #include "test/support/spaces.h"

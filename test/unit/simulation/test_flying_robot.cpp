@@ -1,6 +1,7 @@
 /// What a robot that flies does that one on the floor cannot.
 #include <gtest/gtest.h>
 
+#include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/simulation/simulator.h"
 #include "test/support/matchers.h"
 #include "test/unit/simulation/small_world.h"

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/simulation/rgbd_camera.h"
 #include "test/support/matchers.h"
 #include "test/unit/simulation/small_world.h"

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "kinect_ekf_slam/core/angles.h"
 #include "kinect_ekf_slam/simulation/simulator.h"
 #include "test/support/matchers.h"
 #include "test/unit/simulation/small_world.h"

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 
+#include "kinect_ekf_slam/core/angles.h"
 #include "test/support/matchers.h"
 #include "test/unit/simulation/small_world.h"
 
