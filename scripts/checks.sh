@@ -49,12 +49,9 @@ no_shell() {
 }
 
 headers_stand_alone() {
-  local failed=0 header
-  for header in $(git ls-files 'include/*.h' | grep -v /ros/); do
-    echo "#include \"${header#include/}\"" | g++ -std=c++17 -fsyntax-only -x c++ -Iinclude -isystem /usr/include/eigen3 -isystem /usr/include/opencv4 - ||
-      { echo "$header does not compile alone"; failed=1; }
-  done
-  return $failed
+  git ls-files 'include/*.h' | grep -v /ros/ | xargs -P "${JOBS:-2}" -I{} sh -c '
+    echo "#include \"${1#include/}\"" | g++ -std=c++17 -fsyntax-only -x c++ -Iinclude -isystem /usr/include/eigen3 -isystem /usr/include/opencv4 - ||
+      { echo "$1 does not compile alone"; exit 1; }' header {}
 }
 
 newest_first() {
