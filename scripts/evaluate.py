@@ -64,12 +64,11 @@ def main():
     arguments = parser.parse_args()
     if not 0.0 < arguments.sigmas <= 100.0:
         parser.error(f"--sigmas is {arguments.sigmas:g}; a number above 0, at most 100, is needed")
-    if arguments.truth is None and not arguments.report:
-        parser.error("--truth BAG is needed; only --report goes without")
     if arguments.title is not None and not arguments.report:
         parser.error("--title is that of a report; --report is needed")
-
-    estimate = read_estimate(arguments.folder)
+    estimate = read_estimate(arguments.folder)   # a DIR that is none is told before the truth that is missing too
+    if arguments.truth is None and not arguments.report:
+        parser.error("--truth BAG is needed; only --report goes without")
     provenance = read_provenance(arguments.folder) if arguments.report else None
     truth = NO_TRUTH if arguments.truth is None else read_truth(arguments.truth)
     evaluation = evaluate(estimate, truth, arguments.align)

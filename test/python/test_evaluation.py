@@ -292,6 +292,7 @@ class EndToEnd(StraightRun):
                 ((self.folder, "--truth", self.bag + ".none"), ("truth.bag.none", "No such file")),
                 ((self.folder + "x", "--truth", self.bag), ("runx", "no such folder")),
                 ((self.folder,), ("--truth",)),
+                ((self.folder + "x",), ("runx", "no such folder")),
                 ((self.folder, "--truth", self.bag, "--align", "sim3"), ("sim3",)),
                 ((self.folder, "--truth", self.bag, "--title", "A"), ("--title", "--report")),
                 ((self.folder, "--truth", self.bag, "--sigmas", "0"), ("--sigmas",))]:
