@@ -27,6 +27,8 @@ files in DIR
   parameters.yaml             what the parameter server holds of the node, with what was changed while it ran
   summary.json                seconds, counts of poses, detections by verdict, landmarks; what the node's
                               diagnostics warned of
+  positions.csv and beacons.csv of slam_replay are missing: slam_node publishes neither. Its diagnostics count
+  what became of positions and ranges; for the files record a bag (record.launch) and replay that.
 """
 
 POLL_PERIOD = 0.5      # s of wall time
