@@ -230,7 +230,8 @@ void write_map(const std::string& path, const std::string& frame, const SavedSta
     begin = end + 1;
   }
   if (text.size() > kLargestFile)
-    fail(path, "not written: " + std::to_string(text.size()) + " bytes, more than is read back");
+    fail(path, "not written: " + std::to_string(text.size()) + " bytes, allowed: no more than " +
+                   std::to_string(kLargestFile));
   std::error_code error;
   fs::create_directories(fs::path(path).parent_path(), error);
   try {
