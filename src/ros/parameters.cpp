@@ -269,7 +269,8 @@ void visit(Visitor& v, FusionOptions& o, PositionOptions& positions) {
   v.text("fusion/antenna_frame", &o.antenna_frame, true,
          "frame that the positions of fusion/positions_topic speak of; empty: frames/base");
   v.datum("fusion/datum", &o.datum,
-          "where fusion/frame has its origin, at most 100 km away; x is east, y north there");
+          "where fusion/frame has its origin, at most 100 km away; x is east, y north there; first_fix: "
+          "the first that the next one agrees with");
   v.number("fusion/fix_sigma", &o.fix_sigma, 0.0, 1e3, "m", "of a fix without covariance; 0: it is refused");
   v.number("fusion/gate_probability", &positions.gate_probability, 0.5, 1.0, "-",
            "share of the true positions and ranges that the gate lets through");

@@ -52,7 +52,10 @@ SensorBridge::SensorBridge(const FrameOptions& frames, const SyncOptions& sync, 
       fusion_(fusion),
       lookup_(std::move(lookup)),
       handlers_(std::move(handlers)) {
-  if (!fusion.datum.empty()) plane_.emplace(Geodetic{fusion.datum[0], fusion.datum[1], fusion.datum[2]});
+  if (!fusion.datum.empty()) {
+    plane_.emplace(Geodetic{fusion.datum[0], fusion.datum[1], fusion.datum[2]});
+    datum_is_sure_ = true;
+  }
   make_synchronizers();
 }
 
@@ -264,13 +267,23 @@ bool SensorBridge::add_position(const geometry_msgs::PoseWithCovarianceStamped& 
 }
 
 bool SensorBridge::add_fix(const sensor_msgs::NavSatFix& message, const ros::Time& now) {
+  const Geodetic place{message.latitude, message.longitude, message.altitude};
   std::optional<MessageProblem> problem = problem_of(message, fusion_.fix_sigma);
-  if (!problem && plane_)
-    problem = problem_of_distance((*plane_)({message.latitude, message.longitude, message.altitude}));
+  if (!problem && plane_) {
+    problem = problem_of_distance((*plane_)(place));
+    if (problem && !datum_is_sure_) {  // one of the two is wrong: the next fix tells which
+      problem->detail += "; the datum is now this fix, as none agreed with the last";
+      plane_.emplace(place);
+    }
+  }
   const auto base_from_antenna =
       admit(fix_input_, message.header, without_slash(message.header.frame_id), problem, now);
   if (!base_from_antenna) return false;
-  if (!plane_) plane_.emplace(Geodetic{message.latitude, message.longitude, message.altitude});
+  if (!plane_) {
+    plane_.emplace(place);
+    return true;
+  }
+  datum_is_sure_ = true;
   SensorFrame frame;
   frame.stamp = to_time(message.header.stamp);
   frame.global_position = to_position(message, *plane_, *base_from_antenna, fusion_.fix_sigma);

@@ -98,6 +98,7 @@ class SensorBridge {
   SyncOptions sync_;
   FusionOptions fusion_;
   std::optional<LocalTangentPlane> plane_;  ///< of fusion/frame, once its datum is known
+  bool datum_is_sure_ = false;              ///< given, or a second fix is near it; until then no fix is used
   TransformLookup lookup_;
   Handlers handlers_;
 

@@ -164,17 +164,56 @@ TEST_F(Bridge, SaysWhatIsWrongWithAPosition) {
                                 {"global_position: old", 1}}));
 }
 
+TEST_F(Bridge, SaysThatTheAntennasFrameIsNotInTf) {
+  fusion_.antenna_frame = "prism";
+  make();
+  EXPECT_FALSE(add(position_message(1.0)));
+  EXPECT_EQ(lines_.back(), "global_position: message refused, no tf from 'prism' to 'base_link'");
+  EXPECT_EQ(refusals(), (Counts{{"global_position: no transform", 1}}));
+}
+
 TEST_F(Bridge, AFixIsEastAndNorthOfTheFirstOne) {
   transforms_["gps_link"] = Eigen::Isometry3d(Eigen::Translation3d(0.1, 0.2, 0.3));
   EXPECT_TRUE(add(fix_message(1.0)));
+  EXPECT_TRUE(frames_out_.empty());  // whether it can be trusted the second one tells
   auto north = fix_message(2.0);
   north.latitude += 1e-4;
   EXPECT_TRUE(add(north));
+  EXPECT_TRUE(add(fix_message(3.0)));
+  ASSERT_EQ(frames_out_.size(), 2U);
+  EXPECT_TRUE(
+      MatrixNear(frames_out_[0].global_position->position_in_map, Eigen::Vector3d(0.0, 11.107, 0.0), 1e-3));
+  EXPECT_TRUE(
+      MatrixNear(frames_out_[0].global_position->antenna_in_base, Eigen::Vector3d(0.1, 0.2, 0.3), 0.0));
+  EXPECT_TRUE(MatrixNear(frames_out_[1].global_position->position_in_map, Eigen::Vector3d::Zero(), 1e-9));
+}
+
+TEST_F(Bridge, AWrongFirstFixIsNotTheDatumForLong) {
+  transforms_["gps_link"] = Eigen::Isometry3d::Identity();
+  auto wrong = fix_message(1.0);
+  wrong.latitude = wrong.longitude = 0.0;
+  EXPECT_TRUE(add(wrong));
+  EXPECT_FALSE(add(fix_message(2.0)));
+  EXPECT_EQ(
+      lines_.back(),
+      "fix: message refused, it is 7844 km from the datum, allowed: 100 km; see fusion/datum; the datum "
+      "is now this fix, as none agreed with the last");
+  EXPECT_TRUE(add(fix_message(3.0)));
+  ASSERT_EQ(frames_out_.size(), 1U);  // no fix was told as of a datum that is none
   EXPECT_TRUE(MatrixNear(frames_out_[0].global_position->position_in_map, Eigen::Vector3d::Zero(), 1e-9));
-  EXPECT_TRUE(
-      MatrixNear(frames_out_[1].global_position->position_in_map, Eigen::Vector3d(0.0, 11.107, 0.0), 1e-3));
-  EXPECT_TRUE(
-      MatrixNear(frames_out_[1].global_position->antenna_in_base, Eigen::Vector3d(0.1, 0.2, 0.3), 0.0));
+}
+
+TEST_F(Bridge, TheDatumStaysOnceASecondFixAgreed) {
+  transforms_["gps_link"] = Eigen::Isometry3d::Identity();
+  for (const double time : {1.0, 2.0}) EXPECT_TRUE(add(fix_message(time)));
+  for (const double time : {3.0, 4.0}) {
+    auto wrong = fix_message(time);
+    wrong.latitude = wrong.longitude = 0.0;
+    EXPECT_FALSE(add(wrong));
+  }
+  EXPECT_TRUE(add(fix_message(5.0)));
+  ASSERT_EQ(frames_out_.size(), 2U);
+  EXPECT_TRUE(MatrixNear(frames_out_[1].global_position->position_in_map, Eigen::Vector3d::Zero(), 1e-9));
 }
 
 TEST_F(Bridge, AFixIsEastAndNorthOfTheDatum) {
