@@ -60,9 +60,7 @@ SlamNode::SlamNode(const ros::NodeHandle& handle, const ros::NodeHandle& private
       correction_(options.output.correction_time),
       diagnostics_(handle_, private_handle_) {
   if (options_.map.load_at_start) {
-    session_.load(
-        read_map(MapDirectory(options_.map.directory).resolve(options_.map.file_name), options_.frames.map),
-        false);
+    ROS_INFO("map loaded from %s", load("", false).c_str());
   } else if (options_.pipeline.mode == Mode::kLocalization) {
     throw std::runtime_error("mode: localization needs a map: set map/load_at_start and map/file_name");
   }
@@ -353,11 +351,20 @@ void SlamNode::forget_run() {
   if (global_map_) global_map_->restart();
 }
 
+std::string SlamNode::path_of(const std::string& file_name) const {
+  return MapDirectory(options_.map.directory).resolve(file_name.empty() ? options_.map.file_name : file_name);
+}
+
 std::string SlamNode::save(const std::string& file_name) {
-  std::string path =
-      MapDirectory(options_.map.directory).resolve(file_name.empty() ? options_.map.file_name : file_name);
+  std::string path = path_of(file_name);
   write_map(path, options_.frames.map, session_.pipeline().save(), options_.text);
   return path;
+}
+
+std::string SlamNode::load(const std::string& file_name, bool keep_saved_pose) {
+  const std::string path = path_of(file_name);
+  session_.load(read_map(path, options_.frames.map), keep_saved_pose);
+  return path + ": " + std::to_string(session_.pipeline().map().size()) + " landmarks";
 }
 
 bool SlamNode::save_map(SaveMap::Request& request, SaveMap::Response& response) {
@@ -372,13 +379,9 @@ bool SlamNode::save_map(SaveMap::Request& request, SaveMap::Response& response) 
 
 bool SlamNode::load_map(LoadMap::Request& request, LoadMap::Response& response) {
   try {
-    const std::string path =
-        MapDirectory(options_.map.directory)
-            .resolve(request.file_name.empty() ? options_.map.file_name : request.file_name);
-    session_.load(read_map(path, options_.frames.map), request.keep_saved_pose);
-    forget_what_was_shown();
+    response.message = load(request.file_name, request.keep_saved_pose);
     response.success = true;
-    response.message = path + ": " + std::to_string(session_.pipeline().map().size()) + " landmarks";
+    forget_what_was_shown();
   } catch (const std::exception& error) {
     response.message = error.what();
   }

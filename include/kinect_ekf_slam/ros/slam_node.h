@@ -75,7 +75,12 @@ class SlamNode {
   /// tf fusion/frame -> map, each time that it changes.
   void publish_alignment(const SlamResult& result);
   void publish_scene();
+  /// Of a map in map/directory; "": map/file_name.
+  std::string path_of(const std::string& file_name) const;
+  /// Returns the path. Throws MapFileError.
   std::string save(const std::string& file_name);
+  /// Returns the path and what was in the file. Throws MapFileError.
+  std::string load(const std::string& file_name, bool keep_saved_pose);
   /// Saves map/file_name unasked, and returns its path; without a landmark it saves nothing and returns "":
   /// a map of an earlier run is worth more than none. Throws MapFileError.
   std::string save_unless_empty();
