@@ -216,6 +216,25 @@ class Solver {
   typename Space::PoseMatrix transform_covariance_;
 };
 
+/// The worst pair goes, and with it those that are nearly as bad: one after the other would take a fit for
+/// each where nothing agrees. The less bad ones may be so only because of the worst.
+constexpr double kNearlyWorst = 0.5;
+
+template <class Space>
+void leave_out(const std::vector<double>& distances, double limit, std::vector<std::size_t>* used,
+               std::vector<Disagreement<Space>>* disagreements) {
+  std::vector<std::size_t> kept;
+  for (std::size_t j = 0; j < used->size(); ++j) {
+    const std::size_t pair = (*used)[j];
+    if (distances[j] >= limit) {
+      disagreements->push_back({pair, {}, {}, distances[j]});
+    } else {
+      kept.push_back(pair);
+    }
+  }
+  *used = std::move(kept);
+}
+
 std::string degrees_text(double radians) {
   char text[32];
   std::snprintf(text, sizeof(text), "%.3g deg", degrees(radians));
@@ -263,11 +282,9 @@ AlignmentResult<Space> align_frames(const AlignmentPairs<Space>& pairs, const Al
         "the positions lie on one line: the turn about it is not known, a heading would say it";
     if (!solver.iterate()) return {std::nullopt, line};
     const std::vector<double> distances = solver.pair_distances();
-    const auto worst = std::max_element(distances.begin(), distances.end());
-    if (*worst >= gate) {
-      const auto at = worst - distances.begin();
-      disagreements.push_back({used[static_cast<std::size_t>(at)], {}, {}, *worst});
-      used.erase(used.begin() + at);
+    const double worst = *std::max_element(distances.begin(), distances.end());
+    if (worst >= gate) {
+      leave_out(distances, std::max(gate, kNearlyWorst * worst), &used, &disagreements);
       continue;
     }
     const TurnMatrix<Space> turn =
