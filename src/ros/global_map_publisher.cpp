@@ -69,7 +69,7 @@ void GlobalMapPublisher::publish() {
   const std::string& frame = frame_of(map_, options_);
   map_publisher_.publish(to_message(map_.landmarks, frame, newest_));
   painter_.set_frame(frame);
-  marker_publisher_.publish(painter_.paint(map_));
+  marker_publisher_.publish(painter_.paint_global(map_));
 }
 
 void GlobalMapPublisher::report(diagnostic_updater::DiagnosticStatusWrapper& status) const {

@@ -127,7 +127,7 @@ MarkerArray MarkerPainter::paint(const MarkerScene& scene) {
   return array;
 }
 
-MarkerArray MarkerPainter::paint(const GlobalMap3d& map) {
+MarkerArray MarkerPainter::paint_global(const GlobalMap3d& map) {
   constexpr double kGoldenSection = 0.618;  // neighbours differ, however many there are
   stamp_ = ros::Time();                     // the frame does not move: wherever it is now
   MarkerArray array = clear();

@@ -58,7 +58,7 @@ class MarkerPainter {
   visualization_msgs::MarkerArray paint(const MarkerScene& scene);
   /// Its landmarks, each stretch of the way in a colour of its own, the positions, and red lines to those
   /// that were left out. What was painted before goes.
-  visualization_msgs::MarkerArray paint(const GlobalMap3d& map);
+  visualization_msgs::MarkerArray paint_global(const GlobalMap3d& map);
   /// Removes everything that was ever painted.
   visualization_msgs::MarkerArray clear();
 

@@ -224,6 +224,26 @@ TEST(MarkerPainter, DrawsALineToWhatWasJustAssociated) {
   EXPECT_EQ(find(painter.paint({}), "associations")->action, Marker::DELETE);
 }
 
+TEST(MarkerPainter, PaintsEachStretchOfAGlobalMapAndWhatWasLeftOut) {
+  MarkerPainter painter("earth", 3.0);
+  GlobalMap3d map;
+  map.landmarks = {landmark(1)};
+  map.segments.resize(3);
+  map.segments[0].path.resize(2);
+  map.segments[1].refusal = "too few positions";  // without a path
+  map.segments[2].path.resize(2);
+  map.segments[2].left_out.push_back({0, {1.0, 0.0, 0.0}, {5.0, 0.0, 0.0}, 40.0});
+  const MarkerArray array = painter.paint_global(map);
+  EXPECT_EQ(array.markers.front().action, Marker::DELETEALL) << "of the map before";
+  EXPECT_NE(find(array, "landmarks", 1), nullptr);
+  ASSERT_NE(find(array, "segments", 0), nullptr);
+  EXPECT_EQ(find(array, "segments", 1), nullptr);
+  ASSERT_NE(find(array, "segments", 2), nullptr);
+  EXPECT_NE(find(array, "segments", 0)->color.r, find(array, "segments", 2)->color.r);
+  ASSERT_NE(find(array, "left_out", 2), nullptr);
+  EXPECT_EQ(find(array, "left_out", 2)->points[1].x, 5.0);
+}
+
 TEST(LabelColor, IsTheOneThatTheLabelNames) {
   EXPECT_GT(label_color("red").r, label_color("red").g + 0.5F);
   EXPECT_GT(label_color("green").g, label_color("green").r + 0.4F);
