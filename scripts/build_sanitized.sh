@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Builds what scripts/faults.py runs with sanitizers, each in a build folder of its own:
 #   scripts/build_sanitized.sh address    fuzz_slam, fuzz_perception and slam_replay with AddressSanitizer and UndefinedBehaviorSanitizer, in build/address
-#   scripts/build_sanitized.sh thread     slam_node with ThreadSanitizer, in build/thread
+#   scripts/build_sanitized.sh thread     slam_node and roscpp_alone with ThreadSanitizer, in build/thread
 # scripts/build.sh comes first: it installs what is needed. Neither is part of the tests' build: each takes a quarter of an hour.
 set -euo pipefail
 case ${1:-} in
   address) flags="-fsanitize=address,undefined -fno-sanitize=vptr -fno-sanitize-recover=undefined" targets="fuzz_slam fuzz_perception slam_replay" ;;
-  thread) flags="-fsanitize=thread" targets=slam_node ;;
+  thread) flags="-fsanitize=thread" targets="slam_node roscpp_alone" ;;
   -h|--help) sed -n '2,5s/^# \?//p' "$0"; exit 0 ;;
   *) echo "build_sanitized.sh: '${1:-}' given, allowed: address, thread" >&2; exit 2 ;;
 esac
