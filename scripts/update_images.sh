@@ -23,7 +23,7 @@ for study in consistency global robustness; do
 done
 build/devel/env.sh slam_simulate --world config/worlds/yard.yaml --out runs/yard.bag
 build/devel/env.sh slam_replay runs/yard.bag --out runs/yard --global
-build/devel/env.sh python3 scripts/evaluate.py runs/yard/global --truth runs/yard.bag
+build/devel/env.sh python3 scripts/evaluate.py runs/yard/global --truth runs/yard.bag --align none
 convert runs/yard/global/evaluation.png -resize 1000x -strip -dither None -colors 200 PNG8:docs/images/global_map.png
 dot -Tpng -Gdpi=80 docs/images/architecture.dot -o docs/images/architecture.png   # Graphviz
 identify -format '%d/%f %wx%h %b\n' docs/images/*.png

@@ -146,18 +146,21 @@ def draw_consistency(panel, estimate, evaluation):
 
     The covariance says how far the robot may be from where it should be, seen from its start: so the path is
     laid on the truth there. The best fit over the whole run would move the start, which is known best of all.
+    A path that is not to be aligned has a covariance that says where it is in the frame of the truth.
     """
     panel.set_xlabel(TIME_LABEL)
     start = estimate.path.stamps[0]
-    errors, nees = evaluation.path_errors, evaluation.start_nees
+    errors = evaluation.path_errors
+    is_given = evaluation.metrics["align"] == "none" and errors is not None
+    nees = errors.nees if is_given else evaluation.start_nees
     if errors is not None and nees is not None and np.isfinite(nees).any():
         known = np.isfinite(nees)
         seconds, curve = over_time(errors.stamps[known], start, np.maximum(nees[known], 1e-9))
         handles = panel.plot(seconds, curve, color=ESTIMATE_COLOR, linewidth=0.8, label="NEES", zorder=3)
-        dimension, mean = evaluation.nees_dimension, evaluation.metrics["pose_nees_start_mean"]
         values = nees[known]
+        dimension, mean = evaluation.nees_dimension, float(values.mean())
         panel.set_title("Consistency")
-        panel.set_ylabel("NEES, from the start")
+        panel.set_ylabel("NEES, as given" if is_given else "NEES, from the start")
     else:
         shown = estimate.associations.accepted & np.isfinite(estimate.associations.nis)
         values = estimate.associations.nis[shown]

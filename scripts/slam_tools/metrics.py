@@ -28,9 +28,10 @@ METRICS = (
            "mean of e^T P^-1 e, with 3 degrees of freedom (x, y, yaw) in the plane and 6 in space; a consistent "
            "estimate has the degrees of freedom for mean. Not fitted, for the covariance is relative to the start. "
            "Poses with a singular covariance are skipped"),
-    Metric("pose_nees_mean", "path", "  fitted to the truth", "",
+    Metric("pose_nees_mean", "path", "  aligned as above", "",
            "the same after the alignment, which leaves errors at the start, where the covariance is none: of use "
-           "where the start is not known exactly"),
+           "where the start is not known exactly; with --align none of the path as it was given, by which a path in "
+           "a frame of global positions is judged"),
     Metric("path_length_m", "path", "length", "m",
            "of the true path where it was compared; of the estimated path where the truth is positions only (their "
            "noise lengthens it) or not there"),

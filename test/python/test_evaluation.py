@@ -5,13 +5,15 @@ import unittest
 
 import support
 import numpy as np
+from matplotlib.figure import Figure
 from straight_run import ASSOCIATION_HEADER, COVARIANCE_HEADER, LANDMARK_HEADER, StraightRun
 
 from slam_tools.bags import Landmarks
-from slam_tools.evaluation import nees
+from slam_tools.evaluation import evaluate, nees, read_truth
 from slam_tools.geometry import RigidTransform, align
 from slam_tools.landmark_matching import association_accuracy, match_landmarks
-from slam_tools.runs import Associations, majority_identities
+from slam_tools.evaluation_plots import draw_consistency
+from slam_tools.runs import Associations, majority_identities, read_estimate
 
 
 def landmarks(positions, identities=None, observations=None):
@@ -185,6 +187,16 @@ class EndToEnd(StraightRun):
         self.assertGreater(metrics["ate_rmse_m"], distance)
         self.assertAlmostEqual(metrics["heading_rmse_deg"], math.degrees(0.8 - self.YAW_ERROR), places=6)
         self.assertGreater(metrics["landmark_rmse_m"], 1.0)
+
+    def test_the_picture_judges_a_given_path_by_its_own_covariance(self):
+        estimate, truth = read_estimate(self.folder), read_truth(self.bag)
+        for alignment, figure, label in (("none", "pose_nees_mean", "NEES, as given"),
+                                         ("se2", "pose_nees_start_mean", "NEES, from the start")):
+            panel = Figure().subplots()
+            evaluation = evaluate(estimate, truth, alignment)
+            draw_consistency(panel, estimate, evaluation)
+            self.assertEqual(panel.get_ylabel(), label)
+            self.assertAlmostEqual(panel.lines[0].get_ydata().mean() / evaluation.metrics[figure], 1.0, places=6)
 
     def test_space(self):
         """The straight line leaves the roll about it open: only the landmarks can be aligned."""
