@@ -184,7 +184,7 @@ class MapIntegration {
   /// Algorithm 3, lines 17 to 22.
   GlobalMap<Space> integrate(const std::vector<LocalMap<Space>>& maps) {
     GlobalMap<Space> global;
-    std::vector<PlacedMap<Space>> placed = place_all(maps);
+    std::vector<PlacedMap<Space>> placed = place_all(with_fewer_places(maps));
     std::vector<Cluster<Space>> clusters;
     for (std::size_t k = 0; k < placed.size(); ++k) {
       placed[k].follows = k > 0 && placed[k - 1].is_placed() && placed[k - 1].map.leads_to_next;
@@ -200,6 +200,32 @@ class MapIntegration {
   }
 
  private:
+  /// Work grows with the square of the places. Between those that are kept the way is as it was in its local
+  /// map.
+  std::vector<LocalMap<Space>> with_fewer_places(std::vector<LocalMap<Space>> maps) const {
+    std::size_t places = 0;
+    for (const LocalMap<Space>& map : maps) places += map.path_stamps.size();
+    const std::size_t step = 1 + places / static_cast<std::size_t>(options_.max_places);
+    if (step == 1) return maps;
+    for (LocalMap<Space>& map : maps) {
+      const std::vector<int> path = map.path_points();
+      std::vector<bool> dropped(map.state.infos.size(), false);
+      std::vector<TimeNs> stamps;
+      for (std::size_t i = 0; i < path.size(); ++i) {
+        const bool is_kept = i % step == 0 || i + 1 == path.size();
+        dropped[static_cast<std::size_t>(path[i])] = !is_kept;
+        if (is_kept) stamps.push_back(map.path_stamps[i]);
+      }
+      std::vector<int> kept;
+      for (std::size_t i = 0; i < dropped.size(); ++i) {
+        if (!dropped[i]) kept.push_back(static_cast<int>(i));
+      }
+      map.state = with_points<Space>(map.state, kept);
+      map.path_stamps = std::move(stamps);
+    }
+    return maps;
+  }
+
   /// One that cannot be placed waits for the next one; the last one goes with the one before.
   std::vector<PlacedMap<Space>> place_all(const std::vector<LocalMap<Space>>& maps) {
     std::vector<PlacedMap<Space>> placed;
@@ -409,8 +435,8 @@ class MapIntegration {
     std::vector<TimeNs> stamps;
     for (const auto& pose : map.poses) stamps.push_back(pose.stamp);
     const Eigen::MatrixXd weights = now.weights(stamps);
-    const Eigen::MatrixXd covariance = with_points<Space>(cluster->state, path).covariance;
-    constexpr int kPose = Space::kPoseDim;
+    const Eigen::MatrixXd spreads =
+        spreads_on_path(weights, with_points<Space>(cluster->state, path).covariance);
     placed->segment.path.clear();
     for (std::size_t k = 0; k < map.poses.size(); ++k) {
       PoseEstimate<Space> pose = product<Space>(frame, map.poses[k].value);
@@ -419,18 +445,33 @@ class MapIntegration {
       const typename Space::Point position =
           now.position(stamps[k]) + frame.map_from_base.rotation() * detail;
       pose.map_from_base = pose_from_parts<Space>(position, turn_of<Space>(pose.map_from_base));
-      Eigen::MatrixXd by_points = Eigen::MatrixXd::Zero(kDim, covariance.cols());
-      for (Eigen::Index j = 0; j < weights.cols(); ++j) {
-        by_points.template middleCols<kDim>(kPose + kDim * j)
-            .diagonal()
-            .setConstant(weights(static_cast<Eigen::Index>(k), j));
-      }
       pose.covariance.template topRows<kDim>().setZero();
       pose.covariance.template leftCols<kDim>().setZero();
-      const typename Space::PointMatrix spread = by_points * covariance * by_points.transpose();
-      pose.covariance.template topLeftCorner<kDim, kDim>() = spread.template selfadjointView<Eigen::Lower>();
+      pose.covariance.template topLeftCorner<kDim, kDim>() =
+          spreads.template middleRows<kDim>(kDim * static_cast<Eigen::Index>(k));
       placed->segment.path.push_back({stamps[k], pose});
     }
+  }
+
+  /// W P W^T of each time, one below the other, equation (13.3); all times at once, an axis against an axis.
+  static Eigen::MatrixXd spreads_on_path(const Eigen::MatrixXd& weights, const Eigen::MatrixXd& covariance) {
+    const Eigen::Index points = weights.cols();
+    Eigen::MatrixXd spreads(kDim * weights.rows(), kDim);
+    Eigen::MatrixXd between(points, points);
+    for (int a = 0; a < kDim; ++a) {
+      for (int b = 0; b <= a; ++b) {
+        for (Eigen::Index j = 0; j < points; ++j) {
+          for (Eigen::Index i = 0; i < points; ++i) {
+            between(i, j) = covariance(Space::kPoseDim + kDim * i + a, Space::kPoseDim + kDim * j + b);
+          }
+        }
+        const Eigen::VectorXd spread = (weights * between).cwiseProduct(weights).rowwise().sum();
+        for (Eigen::Index k = 0; k < weights.rows(); ++k) {
+          spreads(kDim * k + a, b) = spreads(kDim * k + b, a) = spread(k);
+        }
+      }
+    }
+    return spreads;
   }
 
   const Places& places_;

@@ -312,6 +312,8 @@ void visit(Visitor& v, GlobalMapOutput& o, GlobalMappingOptions& mapping) {
            "of how a local map is turned in the global frame: with more it is joined with its neighbour");
   v.number("global_map/merge_probability", &integration.merge_probability, 1e-6, 1.0, "-",
            "of the gate for the difference of two local maps' landmarks that are one");
+  v.integer("global_map/max_places", &integration.max_places, 10, 100000, "places",
+            "of the way that carry the global map: of a longer one every second, third ... of them");
   v.integer(
       "global_map/max_joined_points", &integration.max_joined_points, 4, 100000, "points",
       "landmarks and places of neighbours that are placed together; more stay where they are not known");

@@ -112,6 +112,20 @@ TYPED_TEST(GlobalMapIn, IsTheWayAndTheLandmarksInTheGlobalFrame) {
   }
 }
 
+TYPED_TEST(GlobalMapIn, IsNearlyTheSameWithFewerPlacesOfALongWay) {
+  this->run(60);
+  GlobalMapOptions options;
+  options.max_places = 20;
+  const auto few = this->integrate(options);
+  const auto all = this->integrate();
+  ASSERT_EQ(few.segments.size(), all.segments.size());
+  for (std::size_t i = 0; i < all.segments.size(); ++i) {
+    EXPECT_EQ(few.segments[i].path.size(), all.segments[i].path.size());
+  }
+  EXPECT_LT(this->path_errors(few).rms, 1.3 * this->path_errors(all).rms);
+  EXPECT_LT(this->path_errors(few).nees, 3.0 * TypeParam::kPointDim);
+}
+
 /// The robot does not jump where one local map ends and the next one starts.
 TYPED_TEST(GlobalMapIn, HangsTogether) {
   this->run(60, 0);  // no landmark that could hold the maps together
@@ -164,6 +178,18 @@ TYPED_TEST(GlobalMapIn, LeavesOutWhatContradictsThePath) {
     }
   }
   EXPECT_EQ(left_out, 1U);
+}
+
+TYPED_TEST(GlobalMapIn, RefusesPlacesThatAllContradictThePath) {
+  this->run(30);
+  RandomStream random(5, 0);
+  for (auto& place : this->places_) {
+    place.value.antenna.mean += 30.0 * TypeParam::Point::NullaryExpr([&] { return random.normal(); });
+  }
+  const auto map = this->integrate();
+  ASSERT_EQ(map.segments.size(), 1U);
+  EXPECT_NE(map.segments[0].refusal.find("global positions agree"), std::string::npos)
+      << map.segments[0].refusal;
 }
 
 /// Without any position all would be one map, however long the run.
