@@ -43,7 +43,7 @@ SlamState<Space> with_frame(const SlamState<Space>& state) {
   constexpr int kDim = Space::kPointDim;
   SlamState<Space> result = state;
   const Eigen::Index size = state.covariance.rows();
-  constexpr Eigen::Index kAdded = kDim * (kDim + 1);
+  constexpr int kAdded = kDim * (kDim + 1);
   result.covariance.conservativeResize(size + kAdded, size + kAdded);
   result.covariance.bottomRows(kAdded).setZero();
   result.covariance.rightCols(kAdded).setZero();
@@ -67,7 +67,8 @@ PoseEstimate<Space> frame_of(const SlamState<Space>& state, const std::vector<in
   const SlamState<Space> frame = with_points<Space>(state, frame_points);
   const auto point = [&](int i) { return frame.landmarks_in_map.template segment<kDim>(kDim * i); };
   TurnMatrix<Space> information = TurnMatrix<Space>::Zero();
-  Eigen::MatrixXd turn_by_points = Eigen::MatrixXd::Zero(kTurns, kDim * (kDim + 1));
+  constexpr int kNumbers = kDim * (kDim + 1);
+  Eigen::MatrixXd turn_by_points = Eigen::MatrixXd::Zero(kTurns, kNumbers);
   TurnVector<Space> pull = TurnVector<Space>::Zero();
   for (int axis = 0; axis < kDim; ++axis) {
     const typename Space::Point end = before.rotation().col(axis);
@@ -78,7 +79,7 @@ PoseEstimate<Space> frame_of(const SlamState<Space>& state, const std::vector<in
     turn_by_points.template leftCols<kDim>() -= by_turn.transpose();
   }
   const TurnMatrix<Space> inverse = information.inverse();
-  Eigen::MatrixXd pose_by_points = Eigen::MatrixXd::Zero(Space::kPoseDim, kDim * (kDim + 1));
+  Eigen::MatrixXd pose_by_points = Eigen::MatrixXd::Zero(Space::kPoseDim, kNumbers);
   pose_by_points.template topLeftCorner<kDim, kDim>().setIdentity();
   pose_by_points.bottomRows(kTurns) = inverse * turn_by_points;
   const Eigen::Index size = frame.landmarks_in_map.size();

@@ -78,15 +78,18 @@ void add_positions(const GlobalMap3d& map, RunWriter* writer) {
 std::vector<std::string> warnings_of(const GlobalMap3d& map, const std::string& frame) {
   std::vector<std::string> lines;
   for (const GlobalMap3d::Segment& segment : map.segments) {
-    const std::string stretch =
-        maps_text(segment) + ", " + seconds_text(segment.start) + " to " + seconds_text(segment.end) + " s: ";
-    if (!segment.refusal.empty())
-      lines.push_back(stretch + "not placed in '" + frame + "': " + segment.refusal);
-    if (segment.left_out.empty()) continue;
-    const GlobalMap3d::Contradiction& first = segment.left_out.front();
     std::ostringstream line;
     line.precision(2);
-    line << std::fixed << stretch << segment.left_out.size() << " of " << segment.positions
+    line << std::fixed << maps_text(segment) << ", " << seconds_text(segment.start) << " to "
+         << seconds_text(segment.end) << " s: ";
+    if (!segment.refusal.empty()) {
+      line << "not placed in '" << frame << "': " << segment.refusal;
+      lines.push_back(line.str());
+      continue;
+    }
+    if (segment.left_out.empty()) continue;
+    const GlobalMap3d::Contradiction& first = segment.left_out.front();
+    line << segment.left_out.size() << " of " << segment.positions
          << " positions contradict the path and are left out; the first at " << seconds_text(first.stamp)
          << " s: (" << first.by_position.x() << ", " << first.by_position.y() << ") m measured, ("
          << first.by_path.x() << ", " << first.by_path.y() << ") m by the path";
