@@ -241,6 +241,13 @@ std::string degrees_text(double radians) {
   return text;
 }
 
+/// Two places say how the plane is turned; in space a line leaves the turn about it.
+template <class Space>
+std::string open_turn() {
+  return Space::kPointDim == 2 ? "the positions lie so near to one place that the heading"
+                               : "the positions lie so near to one line that the turn about it";
+}
+
 }  // namespace
 
 template <class Space>
@@ -278,9 +285,8 @@ AlignmentResult<Space> align_frames(const AlignmentPairs<Space>& pairs, const Al
     }
     Solver<Space> solver(pairs, heading, used);
     solver.start();
-    const std::string line =
-        "the positions lie on one line: the turn about it is not known, a heading would say it";
-    if (!solver.iterate()) return {std::nullopt, line};
+    if (!solver.iterate())
+      return {std::nullopt, open_turn<Space>() + " is not known, a heading would say it"};
     const std::vector<double> distances = solver.pair_distances();
     const double worst = *std::max_element(distances.begin(), distances.end());
     if (worst >= gate) {
@@ -292,8 +298,7 @@ AlignmentResult<Space> align_frames(const AlignmentPairs<Space>& pairs, const Al
     const double sigma =
         std::sqrt(Eigen::SelfAdjointEigenSolver<TurnMatrix<Space>>(turn).eigenvalues().maxCoeff());
     if (!(sigma <= radians(options.max_turn_sigma_deg))) {
-      return {std::nullopt, "the positions lie so near to one line that the turn about it is known to " +
-                                degrees_text(sigma) + ", at most " +
+      return {std::nullopt, open_turn<Space>() + " is known to " + degrees_text(sigma) + " only, at most " +
                                 degrees_text(radians(options.max_turn_sigma_deg)) + " are needed"};
     }
     Alignment<Space> alignment = solver.result();

@@ -318,7 +318,8 @@ class MapIntegration {
     const Eigen::Index size = pairs.local_points.size();
     pairs.local_covariance = map.state.covariance.bottomRightCorner(size, size);
 
-    AlignmentResult<Space> result = align_frames<Space>(pairs, options_.alignment, heading);
+    AlignmentResult<Space> result = align_frames<Space>(pairs, options_.alignment);
+    if (!result.alignment && heading) result = align_frames<Space>(pairs, options_.alignment, heading);
     segment.refusal = result.refusal;
     if (!result.alignment) return;
     segment.global_from_local = result.alignment->global_from_local;

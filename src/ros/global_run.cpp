@@ -102,6 +102,29 @@ std::vector<std::string> warnings_of(const GlobalMap3d& map, const std::string& 
   return lines;
 }
 
+/// There were none, or none could be used: told by what became of them.
+std::string why_no_positions(const FusionOptions& fusion, const RunWriter::Summary& summary) {
+  std::uint64_t came = 0;
+  std::string reasons;
+  const auto tell = [&](std::uint64_t count, const std::string& reason) {
+    came += count;
+    reasons += (reasons.empty() ? "" : ", ") + std::to_string(count) + " " + reason;
+  };
+  for (const std::string kind : {"global_position", "fix"}) {
+    const auto accepted = summary.accepted.find(kind);
+    if (accepted != summary.accepted.end() && accepted->second > 0)
+      tell(accepted->second, kind + ": withheld, or the covariance is none");
+    for (const auto& [reason, count] : summary.refusals) {
+      if (reason.rfind(kind + ":", 0) == 0) tell(count, reason);
+    }
+  }
+  if (came > 0)
+    return "none of the run's " + std::to_string(came) + " global positions can be used: " + reasons;
+  return "the run has no global positions; a map in their frame needs some on '" + fusion.positions_topic +
+         "' (fusion/positions_topic) or " +
+         (fusion.fix_topic.empty() ? "fusion/fix_topic" : "'" + fusion.fix_topic + "'");
+}
+
 }  // namespace
 
 GlobalRun::GlobalRun(const RunOptions& options) : options_(options) { restart(); }
@@ -163,11 +186,7 @@ GlobalRunReport GlobalRun::finish(const std::string& directory, const RunWriter:
   }
   report.warnings = warnings_of(map, report.frame);
   if (report.positions == 0) {
-    throw std::runtime_error(
-        "--global: the run has no global positions; a map in their frame needs some on '" +
-        options_.fusion.positions_topic + "' (fusion/positions_topic)" +
-        (options_.fusion.fix_topic.empty() ? " or fusion/fix_topic"
-                                           : " or '" + options_.fusion.fix_topic + "'"));
+    throw std::runtime_error("--global: " + why_no_positions(options_.fusion, summary));
   }
   if (report.segments == 0) throw std::runtime_error("--global: the run has no way: no odometry came");
   if (report.placed == 0) throw std::runtime_error("--global: " + report.warnings.front());

@@ -270,9 +270,25 @@ TEST_F(BagReplay, SaysWhyThereIsNoGlobalMap) {
   set({"global_map/max_alignment_sigma_deg=0.1"});  // so well a way of half a metre tells no heading
   const std::string line = refusal();
   EXPECT_EQ(line.rfind("--global: local map", 0), 0U) << line;
-  EXPECT_NE(line.find("near to one line"), std::string::npos) << line;
+  EXPECT_NE(line.find("near to one place that the heading is known to "), std::string::npos) << line;
   set({"estimator/type=fastslam1"});
   EXPECT_EQ(refusal().rfind("--global: estimator/type: ", 0), 0U) << refusal();
+}
+
+TEST_F(BagReplay, TellsPositionsThatCannotBeUsedFromNone) {
+  write_run();
+  request_.global = true;
+  rosbag::Bag bag(request_.bag, rosbag::bagmode::Append);
+  geometry_msgs::PoseWithCovarianceStamped message;
+  message.header.frame_id = "earth";
+  message.pose.pose.orientation.w = 1.0;
+  for (const double time : {1.0, 1.5, 2.0}) {  // the covariance is zero
+    message.header.stamp = ros::Time(kStart + time);
+    bag.write("/global_position", ros::Time(kStart + 2.1), message);
+  }
+  bag.close();
+  EXPECT_EQ(refusal(),
+            "--global: none of the run's 3 global positions can be used: 3 global_position: no covariance");
 }
 
 TEST_F(BagReplay, TakesAwayWhatAnEarlierRunWasRefinedTo) {

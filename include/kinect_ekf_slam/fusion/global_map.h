@@ -51,7 +51,7 @@ struct GlobalMap {
 ///
 /// A local map that cannot be placed by itself is joined with its neighbour, through the pose at which the
 /// one ends and the other starts and through the landmarks that both have, and they are placed together.
-/// Where the places lie on one line, the surest attitude among them says the heading. `places` ascend in
+/// Where the places do not tell how it is turned, the surest attitude among them does. `places` ascend in
 /// time; their errors are independent. Throws std::invalid_argument when they do not ascend.
 template <class Space>
 GlobalMap<Space> integrate_maps(const std::vector<LocalMap<Space>>& maps,

@@ -169,6 +169,19 @@ TYPED_TEST(AlignmentOf, RefusesWhenMostDisagree) {
   EXPECT_FALSE(align_frames<Space>(pairs, {}).alignment);
 }
 
+/// A robot that stands: in the plane it is the heading that nothing tells.
+TYPED_TEST(AlignmentOf, SaysWhatARobotThatStandsLacks) {
+  AlignmentPairs<TypeParam> pairs = TestFixture::exact_pairs(20);
+  pairs.local_points.setZero();
+  for (auto& place : pairs.in_global) place.mean = TestFixture::transform().translation();
+  const auto result = align_frames<TypeParam>(pairs, {});
+  ASSERT_FALSE(result.alignment);
+  const bool is_plane = TypeParam::kPointDim == 2;
+  EXPECT_EQ(result.refusal.find("near to one place that the heading is") != std::string::npos, is_plane)
+      << result.refusal;
+  EXPECT_EQ(result.refusal.find("near to one line") != std::string::npos, !is_plane) << result.refusal;
+}
+
 /// In space the turn about the line is open; a heading says it. In the plane a line is enough.
 TYPED_TEST(AlignmentOf, RefusesALineInSpaceUnlessAHeadingIsGiven) {
   using Space = TypeParam;

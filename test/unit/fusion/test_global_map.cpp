@@ -153,7 +153,8 @@ TYPED_TEST(GlobalMapIn, NeedsAHeadingWhereTheWayIsStraight) {
   this->run(14, 0);
   const auto refused = this->integrate();
   ASSERT_EQ(refused.segments.size(), 1U);
-  EXPECT_NE(refused.segments[0].refusal.find("one line"), std::string::npos) << refused.segments[0].refusal;
+  const char* what = TypeParam::kPointDim == 2 ? "near to one place that the heading" : "near to one line";
+  EXPECT_NE(refused.segments[0].refusal.find(what), std::string::npos) << refused.segments[0].refusal;
 
   this->places_.clear();
   this->truth_.clear();
@@ -162,6 +163,20 @@ TYPED_TEST(GlobalMapIn, NeedsAHeadingWhereTheWayIsStraight) {
   const auto placed = this->integrate();
   EXPECT_EQ(placed.segments[0].refusal, "");
   EXPECT_LT(this->path_errors(placed).rms, 1.5);
+}
+
+/// Where the way tells the heading, nothing else is asked.
+TYPED_TEST(GlobalMapIn, DoesNotNeedAnAttitudeWhereTheWayTellsTheHeading) {
+  this->measures_attitude_ = true;
+  this->run(28);  // two whole local maps
+  for (auto& place : this->places_) {
+    TurnVector<TypeParam> wrong = TurnVector<TypeParam>::Constant(1.0);
+    place.value.attitude->global_from_local =
+        turn_exp<TypeParam>(wrong) * turn_of<TypeParam>(place.value.attitude->global_from_local);
+  }
+  const auto map = this->integrate();
+  for (const auto& segment : map.segments) EXPECT_EQ(segment.refusal, "");
+  EXPECT_LT(this->path_errors(map).rms, this->sigma_);
 }
 
 TYPED_TEST(GlobalMapIn, LeavesOutWhatContradictsThePath) {
