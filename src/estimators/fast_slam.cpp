@@ -62,7 +62,9 @@ template <class Space>
 UpdateReport FastSlam<Space>::observe(TimeNs stamp, const Observations& observations) {
   if (observations.empty()) return {};
   move_particles();
-  if (options_.type == EstimatorOptions::Type::kFastSlam1) draw_poses(0);
+  const bool draws_before_it_looks = options_.type == EstimatorOptions::Type::kFastSlam1;
+  const auto draw_after = static_cast<std::size_t>(options_.draw_after);
+  if (draws_before_it_looks) draw_poses(draw_after);
   const std::vector<int> near = candidates(observations);
   std::vector<double> log_weights(particles_.size());
   for (std::size_t m = 0; m < particles_.size(); ++m) {
@@ -75,9 +77,7 @@ UpdateReport FastSlam<Space>::observe(TimeNs stamp, const Observations& observat
   for (const Particle& particle : particles_) {
     touched.insert(particle.path.window().begin(), particle.path.window().end());
   }
-  draw_poses(options_.type == EstimatorOptions::Type::kFastSlam1
-                 ? 0
-                 : static_cast<std::size_t>(options_.draw_after));
+  if (!draws_before_it_looks) draw_poses(draw_after);
   UpdateReport report = vote(observations.size());
   note(stamp, observations, &report);
   for (const int track : touched) bound(track);

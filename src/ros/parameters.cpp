@@ -150,7 +150,7 @@ void visit(Visitor& v, EstimatorOptions& o, PipelineOptions& pipeline) {
   v.integer("estimator/max_landmarks", &o.max_landmarks, 1, 1000000, "landmarks", "more are refused");
   v.integer("estimator/particles", &o.particles, 1, 100000, "particles", "FastSLAM");
   v.integer("estimator/draw_after", &o.draw_after, 1, 1000, "landmarks",
-            "fastslam2: seen before the pose is drawn; until then a particle is a Kalman filter of pose and "
+            "FastSLAM: seen before the pose is drawn; until then a particle is a Kalman filter of pose and "
             "those; 1: drawn at each sighting");
   v.number("estimator/resample_below", &o.resample_below, 0.0, 1.0, "-",
            "FastSLAM: resampled when a smaller share of the particles is effective");

@@ -19,11 +19,11 @@ namespace kinect_ekf_slam {
 /// particle is a path with one small Kalman filter a landmark. (Montemerlo, Thrun, Koller, Wegbreit,
 /// AAAI 2002 and IJCAI 2003.)
 ///
-/// 1.0 draws the pose from the motion, and then looks. 2.0 looks first; here it draws when some landmarks
-/// were seen (`draw_after`), until when each particle is a Kalman filter of the pose and those. The motion
-/// since the last look is one Gaussian that all particles share, so a prediction costs the same however many
-/// there are. A resampled particle shares its parent's map until it changes it: with M particles and n
-/// landmarks a sighting costs O(M log n).
+/// 1.0 draws the pose from the motion, and then looks; 2.0 looks first. Here both wait with the draw until
+/// some landmarks were seen (`draw_after`), until when each particle is a Kalman filter of the pose and
+/// those; with `draw_after` 1 they are the authors'. The motion since the last look is one Gaussian that all
+/// particles share, so a prediction costs the same however many there are. A resampled particle shares its
+/// parent's map until it changes it: with M particles and n landmarks a sighting costs O(M log n).
 ///
 /// Particles decide by themselves which landmark a sighting is. What one particle takes for new is a landmark
 /// of the estimate when particles of more than half of the weight have it.

@@ -15,7 +15,7 @@ struct EstimatorOptions {
 
   /// FastSLAM.
   int particles = 100;
-  int draw_after = 10;  ///< 2.0: landmarks that were seen before the pose is drawn; 1: drawn at each sighting
+  int draw_after = 10;  ///< landmarks that were seen before the pose is drawn; 1: drawn at each sighting
   double resample_below = 0.5;  ///< share of the particles; resampled when fewer are effective
   enum class MotionTail { kGaussian, kCauchy };
   MotionTail motion_tail = MotionTail::kGaussian;  ///< kCauchy: now and then an error of many sigma

@@ -55,22 +55,36 @@ Outcome outcome(const EstimatorOptions& given, int seeds) {
 
 TEST(FastSlam, MapsAsWellAsTheKalmanFilterForAWhile) {
   const Outcome ekf = outcome(testing::textbook(), 20);
-  const Outcome second = outcome(testing::textbook(Type::kFastSlam2), 20);
-  EXPECT_LT(second.landmark_rmse, 1.15 * ekf.landmark_rmse);
-  EXPECT_LT(second.pose_nees, 4.0) << "3 when consistent";
+  for (const Type type : {Type::kFastSlam1, Type::kFastSlam2}) {
+    const Outcome particles = outcome(testing::textbook(type), 20);
+    EXPECT_LT(particles.landmark_rmse, 1.15 * ekf.landmark_rmse);
+    EXPECT_LT(particles.pose_nees, 4.0) << "3 when consistent";
+  }
+}
+
+EstimatorOptions authors(Type type) {
+  EstimatorOptions options = testing::textbook(type);
+  options.draw_after = 1;
+  return options;
 }
 
 /// FastSLAM 2.0 draws where the landmarks say that the robot is: there 1.0 has few of its particles.
-TEST(FastSlam, TheSecondMapsBetterThanTheFirstWithAsManyParticles) {
-  const Outcome first = outcome(testing::textbook(Type::kFastSlam1), 20);
-  const Outcome second = outcome(testing::textbook(Type::kFastSlam2), 20);
-  EXPECT_LT(1.2 * second.landmark_rmse, first.landmark_rmse);
-  EXPECT_LT(3.0 * second.pose_nees, first.pose_nees);
+TEST(FastSlam, TheAuthorsSecondMapsBetterThanTheirFirstWithAsManyParticles) {
+  const Outcome first = outcome(authors(Type::kFastSlam1), 20);
+  const Outcome second = outcome(authors(Type::kFastSlam2), 20);
+  EXPECT_LT(1.05 * second.landmark_rmse, first.landmark_rmse);
+  EXPECT_LT(1.5 * second.pose_nees, first.pose_nees);
+}
+
+/// Each draw costs: what waits with it keeps in its covariance what a draw would turn into luck.
+TEST(FastSlam, TheFirstIsSurerOfThePoseThanItMayBeWhenItDrawsAtEachSighting) {
+  const Outcome waits = outcome(testing::textbook(Type::kFastSlam1), 20);
+  const Outcome draws = outcome(authors(Type::kFastSlam1), 20);
+  EXPECT_LT(3.0 * waits.pose_nees, draws.pose_nees);
 }
 
 TEST(FastSlam, AnotherSeedGivesAnotherResult) {
-  EstimatorOptions options = testing::textbook(Type::kFastSlam2);
-  options.draw_after = 1;
+  EstimatorOptions options = authors(Type::kFastSlam2);
   const Se2 first = [&] {
     const auto estimator = make(options);
     estimator->observe(1, {seen<Planar>({1.0, 0.0}, 1)});
@@ -97,8 +111,8 @@ TEST(FastSlam, PredictsLikeTheKalmanFilterUntilSomethingIsSeen) {
 
 /// A particle whose pose is not drawn is a Kalman filter, in all that it says.
 template <class Space>
-void expect_kalmans_numbers_while_nothing_is_drawn() {
-  EstimatorOptions options = testing::textbook(Type::kFastSlam2);
+void expect_kalmans_numbers_while_nothing_is_drawn(Type type) {
+  EstimatorOptions options = testing::textbook(type);
   options.particles = 3;
   options.draw_after = 13;
   Scenario<Space> scenario(7, 12);
@@ -123,15 +137,17 @@ void expect_kalmans_numbers_while_nothing_is_drawn() {
 }
 
 TEST(FastSlam, IsTheKalmanFilterWhileNoPoseIsDrawn) {
-  expect_kalmans_numbers_while_nothing_is_drawn<Planar>();
-  expect_kalmans_numbers_while_nothing_is_drawn<Spatial>();
+  for (const Type type : {Type::kFastSlam1, Type::kFastSlam2}) {
+    expect_kalmans_numbers_while_nothing_is_drawn<Planar>(type);
+    expect_kalmans_numbers_while_nothing_is_drawn<Spatial>(type);
+  }
 }
 
 /// One sighting of one known landmark is a linear problem: the particles' mean and covariance are Kalman's,
 /// as far as a thousand of them tell.
 TEST(FastSlam, AgreesWithTheKalmanFilterOnOneSighting) {
   for (const Type type : {Type::kFastSlam1, Type::kFastSlam2}) {
-    EstimatorOptions options = testing::textbook(type);
+    EstimatorOptions options = authors(type);
     options.particles = 4000;
     const auto particles = make(options, 1e-4);
     const auto ekf = make(testing::textbook(), 1e-4);
