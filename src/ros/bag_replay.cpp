@@ -165,6 +165,7 @@ class Replay {
     }
     session_->flush();
     report_.refusals = session_->input().refusals();
+    require_odometry();
     report_.warnings = warnings();
     for (const Landmark3d& landmark : session_->pipeline().map()) {
       if (landmark.confirmed) ++report_.landmarks;
@@ -230,6 +231,17 @@ class Replay {
       lines->push_back(
           "where the map lies in fusion/frame '" + request_.options.fusion.frame +
           "' was not found: the robot has not moved far enough, or the positions contradict its way");
+    }
+  }
+
+  /// A run of which all odometry was refused says nothing; what has begun a second time is told as it is.
+  void require_odometry() const {
+    const std::map<std::string, std::uint64_t>& accepted = session_->input().accepted();
+    const auto used = accepted.find("odometry");
+    if (report_.new_runs > 0 || (used != accepted.end() && used->second > 0)) return;
+    for (const auto& [kind, line] : first_refusals_) {
+      if (kind.rfind("odometry", 0) != 0) continue;
+      throw std::runtime_error(request_.bag + ": no odometry message could be used, the first: " + line);
     }
   }
 

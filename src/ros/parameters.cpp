@@ -76,7 +76,8 @@ void visit(Visitor& v, MotionOptions& o) {
   v.choice<MotionOptions::Noise>(
       "motion/noise", &o.noise,
       {{"report", MotionOptions::Noise::kReport}, {"proportional", MotionOptions::Noise::kProportional}},
-      "report: covariance of the velocities |u| gain I per step; proportional: variance that grows with "
+      "report: covariance of the velocities, speed times gain, per step; proportional: variance that grows "
+      "with "
       "time");
   v.number("motion/report_gain", &o.report_gain, 0.0, 100.0, "-", "gain of the preset report");
   v.number("motion/linear_noise", &o.linear_noise, 0.0, 10.0, "m/sqrt(s)", "forward, while moving");
