@@ -27,9 +27,15 @@ void check(const RgbdPicture& picture) {
     throw PictureError("colour is " + size_text(colour) + " and depth " + size_text(depth) +
                        " pixels: registered depth is needed");
   }
-  const bool is_camera = std::isfinite(camera.fx) && std::isfinite(camera.fy) && std::isfinite(camera.cx) &&
-                         std::isfinite(camera.cy) && camera.fx > 0.0 && camera.fy > 0.0;
-  if (!is_camera) throw PictureError("the camera has no focal length: is it calibrated?");
+  constexpr double kFarthest = 1e6;  // pixels; beyond them squares of what is seen overflow
+  for (const double focal_length : {camera.fx, camera.fy}) {
+    if (focal_length >= 1.0 && focal_length <= kFarthest) continue;
+    throw PictureError("the camera has no focal length, of 1 to 1e6 pixels: is it calibrated?");
+  }
+  for (const double centre : {camera.cx, camera.cy}) {
+    if (std::abs(centre) <= kFarthest) continue;
+    throw PictureError("the camera's centre is more than 1e6 pixels off: is it calibrated?");
+  }
 }
 
 cv::Mat depth_in_metres(const cv::Mat& depth) {

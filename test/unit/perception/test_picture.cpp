@@ -40,10 +40,15 @@ TEST(Picture, RefusesWhatNoDetectorCanUse) {
   picture.depth = cv::Mat(2, 3, CV_16UC1);
   EXPECT_THROW(check(picture), PictureError);
   EXPECT_THROW(check(RgbdPicture()), PictureError);
-  for (const double bad : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+  for (const double bad : {0.0, -1.0, 1e-300, 1e300, std::numeric_limits<double>::quiet_NaN()}) {
     picture = good();
     picture.camera.fx = bad;
-    EXPECT_THROW(check(picture), PictureError);
+    EXPECT_THROW(check(picture), PictureError) << bad;
+  }
+  for (const double bad : {-1e300, 1e300, std::numeric_limits<double>::quiet_NaN()}) {
+    picture = good();
+    picture.camera.cy = bad;
+    EXPECT_THROW(check(picture), PictureError) << bad;
   }
 }
 
