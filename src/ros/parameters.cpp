@@ -77,8 +77,7 @@ void visit(Visitor& v, MotionOptions& o) {
       "motion/noise", &o.noise,
       {{"report", MotionOptions::Noise::kReport}, {"proportional", MotionOptions::Noise::kProportional}},
       "report: covariance of the velocities, speed times gain, per step; proportional: variance that grows "
-      "with "
-      "time");
+      "with time");
   v.number("motion/report_gain", &o.report_gain, 0.0, 100.0, "-", "gain of the preset report");
   v.number("motion/linear_noise", &o.linear_noise, 0.0, 10.0, "m/sqrt(s)", "forward, while moving");
   v.number("motion/linear_noise_per_speed", &o.linear_noise_per_speed, 0.0, 10.0, "sqrt(s)",
