@@ -41,6 +41,11 @@ def pose_line(stamp, pose):
     return " ".join([seconds(stamp)] + [number(value) for value in values]) + "\n"
 
 
+def hears(subscriber):
+    """Whether a publisher's messages reach a rospy.Subscriber; connections count before their handshake, when they do not."""
+    return any(connection.header for connection in subscriber.impl.connections)
+
+
 def parameters_in_use(node):
     """The groups of a node's parameters, with what was changed while it ran; {} where the server has none."""
     given = rospy.get_param(node, {})
@@ -77,7 +82,7 @@ class LiveRun:
 
     def is_connected(self):
         """Whether all topics have a publisher that is heard."""
-        return all(subscriber.get_num_connections() > 0 for subscriber in self._subscribers)
+        return all(hears(subscriber) for subscriber in self._subscribers)
 
     def close(self):
         for subscriber in self._subscribers:

@@ -77,7 +77,7 @@ def facts(run):
             ("Estimator", given.get("estimator/type")), ("Space", given.get("estimator/space")),
             ("Association", given.get("association/type")),
             ("Data from", date(stamps[0]) if stamps[0] > DATES_FROM else None),
-            ("Duration", f"{stamps[-1] - stamps[0]:.1f} s, {len(stamps)} poses"),
+            ("Poses", f"{len(stamps)}, over {stamps[-1] - stamps[0]:.1f} s"),
             ("Run finished", run.provenance.of("finished", str, None)),
             ("This page written", date(datetime.datetime.now().timestamp()))]
     return [(name, text) for name, text in rows if text]

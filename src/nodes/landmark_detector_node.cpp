@@ -31,8 +31,7 @@ int main(int argc, char** argv) {
     std::vector<std::string> unread;
     const auto options =
         kinect_ekf_slam::read_detector_options(kinect_ekf_slam::parameters_of(private_handle), &unread);
-    for (const std::string& key : unread)
-      ROS_WARN("Parameter %s is not known and was not read.", key.c_str());
+    for (const std::string& line : unread) ROS_WARN("Parameter %s", line.c_str());
     tf2_ros::Buffer transforms;
     const tf2_ros::TransformListener listener(transforms);
     const kinect_ekf_slam::LandmarkDetectorNode node(handle, private_handle, &transforms, options);

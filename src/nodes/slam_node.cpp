@@ -30,8 +30,7 @@ int main(int argc, char** argv) {
     const YAML::Node yaml = kinect_ekf_slam::parameters_of(private_handle);
     std::vector<std::string> unread;
     const kinect_ekf_slam::RunOptions options = kinect_ekf_slam::read_parameters(yaml, &unread);
-    for (const std::string& key : unread)
-      ROS_WARN("Parameter %s is not known and was not read.", key.c_str());
+    for (const std::string& line : unread) ROS_WARN("Parameter %s", line.c_str());
     ROS_INFO("Parameters:\n%s", options.text.c_str());
 
     tf2_ros::Buffer transforms(ros::Duration(60.0));

@@ -6,6 +6,7 @@
 
 #include "kinect_ekf_slam/ros/bag_replay.h"
 #include "kinect_ekf_slam/ros/command_line.h"
+#include "kinect_ekf_slam/ros/configuration.h"
 #include "kinect_ekf_slam/ros/parameters.h"
 
 namespace {

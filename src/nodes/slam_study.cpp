@@ -9,6 +9,7 @@
 
 #include "kinect_ekf_slam/core/atomic_file.h"
 #include "kinect_ekf_slam/ros/command_line.h"
+#include "kinect_ekf_slam/ros/configuration.h"
 #include "kinect_ekf_slam/ros/detector_options.h"
 #include "kinect_ekf_slam/ros/package_files.h"
 #include "kinect_ekf_slam/ros/parameters.h"
@@ -175,7 +176,7 @@ kinect_ekf_slam::DetectorOptions detector_options(const std::vector<std::string>
   for (const std::string& assignment : assignments) kinect_ekf_slam::set_parameter(assignment, &yaml);
   std::vector<std::string> unread;
   auto options = kinect_ekf_slam::read_detector_options(yaml, &unread);
-  for (const std::string& key : unread) throw kinect_ekf_slam::ParameterError(key + ": is not known");
+  for (const std::string& line : unread) throw kinect_ekf_slam::ParameterError(line);
   if (options.palette.empty()) options.palette = kinect_ekf_slam::package_file("config/palette.yaml");
   return options;
 }

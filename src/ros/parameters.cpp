@@ -1,12 +1,9 @@
 #include "kinect_ekf_slam/ros/parameters.h"
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <sstream>
 
-#include "kinect_ekf_slam/mapping/yaml_keys.h"
 #include "kinect_ekf_slam/ros/parameter_visitor.h"
 
 namespace kinect_ekf_slam {
@@ -384,20 +381,6 @@ void visit(Visitor& v, RunOptions& o) {
   }
 }
 
-/// The text of a file of parameters. Throws ParameterError when there is none, or more than a person writes.
-std::string config_text(const std::string& file) {
-  constexpr std::streamsize kMost = 1 << 20;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw ParameterError(file + ": cannot be read");
-  std::string text(kMost + 1, '\0');
-  stream.read(text.data(), kMost + 1);  // a device never ends
-  if (stream.gcount() > kMost) {
-    throw ParameterError(file + ": allowed: no more than " + std::to_string(kMost) + " bytes");
-  }
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  return text;
-}
-
 }  // namespace
 
 RunOptions read_parameters(const YAML::Node& yaml, std::vector<std::string>* unread) {
@@ -416,60 +399,6 @@ std::vector<ParameterInfo> list_parameters() {
   Visitor visitor(nullptr);
   visit(visitor, options);
   return visitor.infos();
-}
-
-YAML::Node merge_parameters(const YAML::Node& base, const YAML::Node& overlay) {
-  if (!base.IsMap() || !overlay.IsMap()) return overlay.IsDefined() && !overlay.IsNull() ? overlay : base;
-  YAML::Node merged = YAML::Clone(base);
-  for (const auto& entry : overlay) {
-    const auto key = entry.first.as<std::string>();
-    merged[key] = merged[key] ? merge_parameters(merged[key], entry.second) : entry.second;
-  }
-  return merged;
-}
-
-void set_parameter(const std::string& assignment, YAML::Node* yaml) {
-  const auto equals = assignment.find('=');
-  const auto slash = assignment.find('/');
-  if (equals == std::string::npos || equals == 0) {
-    throw ParameterError("'" + assignment + "' given, allowed: group/key=value");
-  }
-  const std::string key = assignment.substr(0, equals);
-  try {
-    const YAML::Node value = YAML::Load(assignment.substr(equals + 1));
-    if (slash < equals) {
-      (*yaml)[key.substr(0, slash)][key.substr(slash + 1)] = value;
-    } else {
-      (*yaml)[key] = value;
-    }
-  } catch (const YAML::Exception&) {
-    throw ParameterError(key + ": '" + assignment.substr(equals + 1) + "' is not YAML");
-  }
-}
-
-RunOptions read_run_options(const std::vector<std::string>& configs, const std::vector<std::string>& settings,
-                            const std::function<void(const std::string&)>& warn) {
-  YAML::Node yaml = YAML::Load(default_parameters());
-  for (const std::string& file : configs) {
-    std::error_code unreadable;  // is told below
-    if (std::filesystem::is_directory(file, unreadable)) throw ParameterError(file + ": is a folder");
-    try {
-      const YAML::Node overlay = YAML::Load(config_text(file));
-      if (!overlay.IsMap() && !overlay.IsNull()) {
-        throw ParameterError(file + ": not a YAML map of parameter groups");
-      }
-      const std::string fault = repeated_key_within(overlay);
-      if (!fault.empty()) throw ParameterError(std::string(file).append(": ").append(fault));
-      yaml = merge_parameters(yaml, overlay);
-    } catch (const YAML::Exception& error) {
-      throw ParameterError(file + ": not YAML: " + error.what());
-    }
-  }
-  for (const std::string& setting : settings) set_parameter(setting, &yaml);
-  std::vector<std::string> unread;
-  RunOptions options = read_parameters(yaml, &unread);
-  for (const std::string& key : unread) warn("parameter " + key + " is not known and was not read");
-  return options;
 }
 
 }  // namespace kinect_ekf_slam

@@ -13,6 +13,7 @@
 #include "kinect_ekf_slam/core/random_stream.h"
 #include "kinect_ekf_slam/mapping/map_file.h"
 #include "kinect_ekf_slam/ros/bag_replay.h"
+#include "kinect_ekf_slam/ros/configuration.h"
 #include "kinect_ekf_slam/ros/parameters.h"
 #include "kinect_ekf_slam/ros/slam_session.h"
 #include "test/support/map_samples.h"

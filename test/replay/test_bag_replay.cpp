@@ -15,7 +15,7 @@
 #include <set>
 #include <sstream>
 
-#include "kinect_ekf_slam/ros/parameters.h"
+#include "kinect_ekf_slam/ros/configuration.h"
 #include "test/support/temporary_folder.h"
 
 namespace kinect_ekf_slam {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "kinect_ekf_slam/ros/parameters.h"
+#include "kinect_ekf_slam/ros/configuration.h"
 #include "kinect_ekf_slam/study/kidnapped_study.h"
 
 namespace kinect_ekf_slam {

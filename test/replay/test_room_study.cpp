@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "kinect_ekf_slam/pipeline/slam_pipeline.h"
-#include "kinect_ekf_slam/ros/parameters.h"
+#include "kinect_ekf_slam/ros/configuration.h"
 #include "kinect_ekf_slam/ros/picture_detector.h"
 #include "kinect_ekf_slam/simulation/evaluation.h"
 #include "kinect_ekf_slam/study/room_study.h"

@@ -2,6 +2,7 @@
 import os
 import signal
 import subprocess
+import sys
 import tempfile
 
 import roslib.packages
@@ -10,6 +11,10 @@ import rospy
 from waiting import DEADLINE
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+
+sys.path.insert(0, os.path.join(ROOT, "scripts"))
+
+from slam_tools.live import hears  # noqa: E402
 
 
 def executable(name):
@@ -77,7 +82,7 @@ class Recorder:
         return self.messages[-1] if self.messages else None
 
     def is_connected(self):
-        return self._subscriber.get_num_connections() > 0
+        return hears(self._subscriber)
 
     def close(self):
         self._subscriber.unregister()

@@ -35,7 +35,7 @@ struct DetectorOptions {
   FeatureOptions features;
 };
 
-/// Reads the options from the groups of `yaml`; keys that nothing reads are returned in `unread`. Throws
+/// Reads the options from the groups of `yaml`; `unread` gets a line for each key that nothing reads. Throws
 /// ParameterError for an unknown name, a value out of range or of another type.
 DetectorOptions read_detector_options(const YAML::Node& yaml, std::vector<std::string>* unread);
 

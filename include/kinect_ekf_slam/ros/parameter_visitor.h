@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "kinect_ekf_slam/ros/parameters.h"
+#include "kinect_ekf_slam/ros/spelling.h"
 
 namespace kinect_ekf_slam {
 
@@ -188,21 +189,22 @@ class ParameterVisitor {
     }
   }
 
+  /// A line for each key that nothing has read.
   std::vector<std::string> unread() const {
-    std::vector<std::string> keys;
-    if (yaml_ == nullptr || !yaml_->IsMap()) return keys;
+    std::vector<std::string> lines;
+    if (yaml_ == nullptr || !yaml_->IsMap()) return lines;
     for (const auto& group : *yaml_) {
       const auto name = group.first.as<std::string>();
       if (!group.second.IsMap()) {
-        if (known_.count(name) == 0 || name.find('/') != std::string::npos) keys.push_back(name);
+        if (known_.count(name) == 0 || name.find('/') != std::string::npos) lines.push_back(not_read(name));
         continue;
       }
       for (const auto& entry : group.second) {
         const std::string key = name + "/" + entry.first.as<std::string>();
-        if (known_.count(key) == 0) keys.push_back(key);
+        if (known_.count(key) == 0) lines.push_back(not_read(key));
       }
     }
-    return keys;
+    return lines;
   }
 
   std::vector<ParameterInfo> infos() const { return infos_; }
@@ -218,6 +220,11 @@ class ParameterVisitor {
   static std::string range(Number low, Number high) {
     if (high == kInfinity) return low == -kInfinity ? "of any size" : ">= " + text_of(low);
     return "from " + text_of(low) + " to " + text_of(high);
+  }
+
+  std::string not_read(const std::string& key) const {
+    const std::string meant = similar_key(key, {known_.begin(), known_.end()});
+    return key + " is not known and was not read" + (meant.empty() ? "" : "; did you mean " + meant + "?");
   }
 
   void note(ParameterInfo info) {

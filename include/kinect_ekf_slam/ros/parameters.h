@@ -2,7 +2,6 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -27,27 +26,12 @@ struct ParameterInfo {
   bool required = false;
 };
 
-/// Reads the options from the groups of `yaml`. Keys that nothing reads are returned in `unread`, as
-/// group/name. Throws ParameterError for a missing required key, an unknown name, a value out of range or of
-/// another type.
+/// Reads the options from the groups of `yaml`. `unread` gets a line for each key that nothing reads, with
+/// the one that may have been meant. Throws ParameterError for a missing required key, an unknown name, a
+/// value out of range or of another type.
 RunOptions read_parameters(const YAML::Node& yaml, std::vector<std::string>* unread);
 
 /// All parameters there are, in the order of the groups.
 std::vector<ParameterInfo> list_parameters();
-
-/// `overlay` over `base`, key by key; lists and scalars replace.
-YAML::Node merge_parameters(const YAML::Node& base, const YAML::Node& overlay);
-
-/// Sets `group/key` to a value written as YAML. Throws ParameterError when the text is neither.
-void set_parameter(const std::string& assignment, YAML::Node* yaml);
-
-/// The text of config/slam.yaml, which every run starts from.
-const char* default_parameters();
-
-/// What an offline tool runs with: the defaults, the files of `configs` over them in their order, then the
-/// assignments of `settings` (group/key=value). Keys that nothing reads go to `warn`, one line each.
-/// Throws ParameterError.
-RunOptions read_run_options(const std::vector<std::string>& configs, const std::vector<std::string>& settings,
-                            const std::function<void(const std::string&)>& warn);
 
 }  // namespace kinect_ekf_slam

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "kinect_ekf_slam/ros/parameters.h"
+#include "kinect_ekf_slam/ros/configuration.h"
 #include "test/support/temporary_folder.h"
 
 namespace kinect_ekf_slam {
