@@ -1,17 +1,9 @@
 #include "kinect_ekf_slam/pipeline/sightings.h"
 
-#include <Eigen/Cholesky>
+#include "kinect_ekf_slam/pipeline/is_covariance.h"
 
 namespace kinect_ekf_slam {
 namespace {
-
-/// Finite, symmetric and positive definite.
-template <class Matrix>
-bool is_covariance(const Matrix& matrix) {
-  constexpr double kLargest = 1e6;  // m^2; more is no knowledge, and its digits drown those of the others
-  return matrix.allFinite() && matrix.trace() < kLargest && matrix.isApprox(matrix.transpose(), 1e-6) &&
-         Eigen::LLT<Matrix>(matrix).info() == Eigen::Success;
-}
 
 /// Finite, and no farther than any sensor sees: the digits of a larger number drown those of the map.
 bool is_place(const Eigen::Vector3d& point_in_base) {

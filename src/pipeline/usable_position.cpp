@@ -1,18 +1,12 @@
 #include "kinect_ekf_slam/pipeline/usable_position.h"
 
-#include <Eigen/Cholesky>
+#include "kinect_ekf_slam/pipeline/is_covariance.h"
 
 namespace kinect_ekf_slam {
 namespace {
 
 constexpr double kFarthest = 1e8;   // m; no frame on the Earth has larger numbers
 constexpr double kLeastSure = 1e6;  // m^2; more is no knowledge
-
-template <class Matrix>
-bool is_covariance(const Matrix& matrix) {
-  return matrix.allFinite() && matrix.trace() < kLeastSure && matrix.isApprox(matrix.transpose(), 1e-6) &&
-         Eigen::LLT<Matrix>(matrix).info() == Eigen::Success;
-}
 
 }  // namespace
 

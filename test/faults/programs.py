@@ -35,4 +35,6 @@ def fuzz(fault, how_many, must_hold, program, tests, rounds, build):
     if not holds:
         faults = re.findall(r"^.*(?:ERROR: AddressSanitizer|runtime error|Failure).*$", text, re.MULTILINE)
         result = f"exit code {code}; " + " ".join((faults or text.splitlines() or ["no output"])[0].split())
+        if len(faults) > 1:
+            result += f" (the first of {number(len(faults))})"
     return Row(fault, how_many.format(number(rounds)), must_hold, result, holds)

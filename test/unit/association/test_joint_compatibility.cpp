@@ -19,8 +19,9 @@ using testing::sighting;
 
 constexpr double kGateProbability = 0.975;
 
-std::vector<Assignment> associate(const std::vector<Observation<Planar>>& observations,
-                                  const PredictedMap<Planar>& map, const AssociationOptions& options = {}) {
+std::vector<Assignment> associate_jointly(const std::vector<Observation<Planar>>& observations,
+                                          const PredictedMap<Planar>& map,
+                                          const AssociationOptions& options = {}) {
   return JointCompatibility<Planar>(options).associate(observations, map);
 }
 
@@ -74,7 +75,8 @@ TEST(JointCompatibility, FindsWhatTryingAllPairingsFinds) {
     std::vector<int> none;
     std::vector<int> expected;
     try_all(drawn, &none, &expected);
-    EXPECT_EQ(landmarks_of(associate(drawn.sightings, drawn.map, options)), expected) << "trial " << trial;
+    EXPECT_EQ(landmarks_of(associate_jointly(drawn.sightings, drawn.map, options)), expected)
+        << "trial " << trial;
     const auto nearest = NearestNeighbor<Planar>(options).associate(drawn.sightings, drawn.map);
     if (landmarks_of(nearest) != expected) ++other_than_nearest;
   }
@@ -98,7 +100,7 @@ TEST(JointCompatibility, SeesThroughATurnThatMisleadsTheNearestNeighbour) {
                            1e-4 * Eigen::MatrixXd::Identity(6, 6));
   const auto nearest = NearestNeighbor<Planar>(AssociationOptions()).associate(sightings, map);
   EXPECT_EQ(nearest[0].landmark, 1) << "the neighbour's, or the case is too easy";
-  EXPECT_EQ(landmarks_of(associate(sightings, map)), (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(landmarks_of(associate_jointly(sightings, map)), (std::vector<int>{0, 1, 2}));
 }
 
 TEST(JointCompatibility, LeavesOutTheSightingThatDoesNotAgree) {
@@ -107,7 +109,7 @@ TEST(JointCompatibility, LeavesOutTheSightingThatDoesNotAgree) {
       Eigen::Matrix2d::Identity();
   FakeMap map = FakeMap().add({2.0, 0.0}).add({2.0, 2.0});
   map.set_joint_covariance(0.09 * common + 1e-4 * Eigen::MatrixXd::Identity(4, 4));
-  const auto assignments = associate({sighting({2.3, 0.0}), sighting({1.7, 2.0})}, map);
+  const auto assignments = associate_jointly({sighting({2.3, 0.0}), sighting({1.7, 2.0})}, map);
   EXPECT_EQ(count_pairs(landmarks_of(assignments)), 1) << "each is possible, both are not";
   for (const Assignment& assignment : assignments) EXPECT_NE(assignment.verdict, Verdict::kCreated);
 }
@@ -115,7 +117,7 @@ TEST(JointCompatibility, LeavesOutTheSightingThatDoesNotAgree) {
 TEST(JointCompatibility, TellsNewAndAmbiguousAsTheNearestNeighbourDoes) {
   const FakeMap map = FakeMap().add({1.0, 0.0});
   const auto assignments =
-      associate({sighting({1.25, 0.0}), sighting({3.0, 0.0}), sighting({3.02, 0.0})}, map);
+      associate_jointly({sighting({1.25, 0.0}), sighting({3.0, 0.0}), sighting({3.02, 0.0})}, map);
   EXPECT_EQ(assignments[0].verdict, Verdict::kAmbiguous);
   EXPECT_EQ(assignments[1].verdict, Verdict::kCreated);
   EXPECT_EQ(assignments[2].verdict, Verdict::kDuplicateIdentity);
@@ -145,7 +147,7 @@ TEST(JointCompatibility, StopsAfterItsWorkWithAPairingThatIsValid) {
     AssociationOptions options;
     options.joint_work = work;
     map.lookups = 0;
-    const std::vector<int> landmarks = landmarks_of(associate(sightings, map, options));
+    const std::vector<int> landmarks = landmarks_of(associate_jointly(sightings, map, options));
     EXPECT_LE(map.lookups, kCount + std::max(work, kCount)) << "gates, then pairings";
     EXPECT_EQ(std::set<int>(landmarks.begin(), landmarks.end()).size(), std::size_t{kCount}) << "one to one";
     EXPECT_EQ(count_pairs(landmarks), kCount);

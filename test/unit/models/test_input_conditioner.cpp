@@ -6,19 +6,14 @@
 #include <random>
 
 #include "kinect_ekf_slam/core/angles.h"
+#include "test/support/body_velocity.h"
 #include "test/support/matchers.h"
 
 namespace kinect_ekf_slam {
 namespace {
 
 using testing::MatrixNear;
-
-BodyVelocity velocity(double forward, double turn) {
-  BodyVelocity velocity;
-  velocity.linear.x() = forward;
-  velocity.angular.z() = turn;
-  return velocity;
-}
+using testing::velocity;
 
 Eigen::Vector3d yaw(double rate) { return {0.0, 0.0, rate}; }
 

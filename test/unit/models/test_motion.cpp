@@ -5,6 +5,7 @@
 #include <random>
 
 #include "kinect_ekf_slam/core/angles.h"
+#include "test/support/body_velocity.h"
 #include "test/support/matchers.h"
 #include "test/support/spaces.h"
 
@@ -13,13 +14,7 @@ namespace {
 
 using testing::MatrixNear;
 using testing::PoseNear;
-
-BodyVelocity velocity(double forward, double turn) {
-  BodyVelocity velocity;
-  velocity.linear.x() = forward;
-  velocity.angular.z() = turn;
-  return velocity;
-}
+using testing::velocity;
 
 template <class SpaceType>
 class MotionNoise : public ::testing::Test {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
-#include <limits>
+#include <cmath>
 #include <random>
 #include <stdexcept>
 
@@ -19,8 +19,6 @@ using testing::AngleNear;
 using testing::MatrixNear;
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Variances along and across an axis that is turned by `heading`.
 Eigen::Matrix2d turned(double along, double across, double heading) {
@@ -47,7 +45,7 @@ TEST(Ellipse, MayBeALine) { EXPECT_NEAR(ellipse(turned(0.04, 0.0, 0.3), 1.0).min
 TEST(Ellipse, IsRefusedWhereTheCovarianceIsNone) {
   EXPECT_THROW(ellipse(Eigen::Matrix2d::Zero(), 3.0), std::invalid_argument);
   EXPECT_THROW(ellipse(turned(0.04, -0.01, 0.3), 3.0), std::invalid_argument);
-  EXPECT_THROW(ellipse(Eigen::Matrix2d::Constant(kNan), 3.0), std::invalid_argument);
+  EXPECT_THROW(ellipse(Eigen::Matrix2d::Constant(std::nan("")), 3.0), std::invalid_argument);
 }
 
 /// Covariance with these standard deviations along axes that are turned by `rotation`.
@@ -75,7 +73,7 @@ TEST(Ellipsoid, HasTheAxesOfTheCovarianceAndIsNeverMirrored) {
 TEST(Ellipsoid, IsRefusedWhereTheCovarianceIsNone) {
   EXPECT_THROW(ellipsoid(Eigen::Matrix3d::Zero(), 3.0), std::invalid_argument);
   EXPECT_THROW(ellipsoid(Eigen::Vector3d(1.0, -0.1, 1.0).asDiagonal(), 3.0), std::invalid_argument);
-  EXPECT_THROW(ellipsoid(Eigen::Matrix3d::Constant(kNan), 3.0), std::invalid_argument);
+  EXPECT_THROW(ellipsoid(Eigen::Matrix3d::Constant(std::nan("")), 3.0), std::invalid_argument);
 }
 
 Landmark3d landmark(int id, const std::string& label = "") {
@@ -134,14 +132,14 @@ TEST(MarkerPainter, DrawsEllipsoidsInSpace) {
 
 TEST(MarkerPainter, NeverDrawsAnUnknownCovarianceAsZero) {
   for (const Eigen::Matrix3d& unknown :
-       {Eigen::Matrix3d(Eigen::Matrix3d::Zero()), Eigen::Matrix3d(Eigen::Matrix3d::Constant(kNan)),
+       {Eigen::Matrix3d(Eigen::Matrix3d::Zero()), Eigen::Matrix3d(Eigen::Matrix3d::Constant(std::nan(""))),
         Eigen::Matrix3d(-Eigen::Matrix3d::Identity())}) {
     for (const SpaceType space : {SpaceType::kPlanar, SpaceType::kSpatial}) {
       MarkerPainter painter("map", 3.0, space);
       MarkerScene scene{{landmark(1)}, {}, {}, {}, {}};
       scene.map[0].covariance = unknown;
       scene.pose.covariance.topLeftCorner<3, 3>() = unknown;
-      scene.pose.covariance(5, 5) = kNan;
+      scene.pose.covariance(5, 5) = std::nan("");
       const MarkerArray array = painter.paint(scene);
       EXPECT_EQ(find(array, "covariance", 1)->action, Marker::DELETE);
       EXPECT_EQ(find(array, "landmarks", 1)->action, Marker::ADD);
@@ -215,7 +213,7 @@ TEST(MarkerPainter, DrawsALineToWhatWasJustAssociated) {
   scene.outcomes[0].landmark_id = 1;
   scene.outcomes[1].verdict = Verdict::kOutsideGate;
   scene.outcomes[1].position_in_map = {4.0, 5.0, 0.0};
-  scene.outcomes[2].position_in_map.setConstant(kNan);
+  scene.outcomes[2].position_in_map.setConstant(std::nan(""));
   const MarkerArray array = painter.paint(scene);
   const Marker* lines = find(array, "associations");
   ASSERT_EQ(lines->points.size(), 4U) << "none to a place that is no number";
