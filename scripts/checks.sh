@@ -48,8 +48,9 @@ no_shell() {
   ! git grep -nE '\b(system|popen)\(|shell *= *True|os\.system' -- 'src/*' 'include/*' 'examples/*' 'scripts/*.py'
 }
 
-# The build compiles several sources at once: its commands do not fit one.
-export ONE_FILE="-std=c++17 -Iinclude -isystem build/devel/include -isystem /usr/include/eigen3 -isystem /usr/include/opencv4"
+# The build compiles several sources at once: its commands do not fit one, but where it finds headers does.
+ONE_FILE="-std=c++17 -Iinclude -isystem build/devel/include $(grep -oh -- '-isystem [^ "]*' build/compile_commands.json | sort -u | tr '\n' ' ')"
+export ONE_FILE
 
 headers_stand_alone() {
   git ls-files 'include/*.h' | grep -v /ros/ | xargs -P "${JOBS:-2}" -I{} sh -c '
