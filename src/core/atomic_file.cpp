@@ -15,7 +15,7 @@
 namespace kinect_ekf_slam {
 namespace {
 
-[[noreturn]] void fail_by_errno(const std::string& path, const char* what) {
+[[noreturn]] void fail(const std::string& path, const char* what) {
   throw std::runtime_error(path + ": " + what + ": " + std::strerror(errno));
 }
 
@@ -25,7 +25,7 @@ int open_temporary(const std::string& path, std::vector<char>* name) {
   name->assign(pattern.begin(), pattern.end());
   name->push_back('\0');
   const int descriptor = ::mkstemp(name->data());
-  if (descriptor < 0) fail_by_errno(path, "cannot be created");
+  if (descriptor < 0) fail(path, "cannot be created");
   return descriptor;
 }
 
@@ -56,7 +56,7 @@ bool write_all(int descriptor, const std::string& text) {
   const int reason = errno;
   ::unlink(name);
   errno = reason;
-  fail_by_errno(path, "cannot be written");
+  fail(path, "cannot be written");
 }
 
 /// Gives a complete file a name, and lets it take the place of `path`. A program that is killed between the
@@ -68,7 +68,7 @@ bool put_in_place(int nameless, const std::string& path) {
   ::unlink(name.c_str());
   if (::linkat(AT_FDCWD, open_file.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) != 0) {
     if (errno == EEXIST) return false;
-    fail_by_errno(path, "cannot be written");
+    fail(path, "cannot be written");
   }
   if (std::rename(name.c_str(), path.c_str()) == 0) return true;
   if (errno == ENOENT) return false;
@@ -82,7 +82,7 @@ void write_file_atomically(const std::string& path, const std::string& text) {
   for (int i = 0; i < kTries; ++i) {
     const Descriptor nameless(open_nameless(path));
     if (!nameless.is_open()) break;
-    if (!write_all(nameless.number(), text)) fail_by_errno(path, "cannot be written");
+    if (!write_all(nameless.number(), text)) fail(path, "cannot be written");
     if (put_in_place(nameless.number(), path)) return;
   }
   std::vector<char> name;
@@ -97,7 +97,7 @@ void require_writable(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode)) {
     errno = EISDIR;
-    fail_by_errno(path, "cannot be written");
+    fail(path, "cannot be written");
   }
   std::vector<char> temporary;
   ::close(open_temporary(path, &temporary));

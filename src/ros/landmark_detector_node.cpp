@@ -15,7 +15,7 @@
 namespace kinect_ekf_slam {
 namespace {
 
-constexpr double kWarningPeriod = 5.0;  // s between repeated warnings
+constexpr double kLogPeriod = 5.0;  // s between repeated warnings
 
 /// Calls `pair(option, live value)` for every parameter that both know.
 template <class Options, class Config, class Pair>
@@ -103,7 +103,7 @@ void LandmarkDetectorNode::process(const std_msgs::Header& header, const Detect&
     ++unusable_;
     last_problem_ = error.what();
     last_problem_ = last_problem_.substr(0, last_problem_.find('\n'));
-    ROS_WARN_THROTTLE(kWarningPeriod, "%lu inputs could not be used so far; the last one: %s", unusable_,
+    ROS_WARN_THROTTLE(kLogPeriod, "%lu inputs could not be used so far; the last one: %s", unusable_,
                       last_problem_.c_str());
   }
 }

@@ -19,7 +19,7 @@ namespace {
 constexpr double kStandingAtEnd = 1.0;  // s
 constexpr double kHeadStart = 1e-3;     // s, of what is recorded once
 
-std::string at_root(const std::string& topic) { return "/" + topic; }
+std::string absolute(const std::string& topic) { return "/" + topic; }
 
 class BagWriter {
  public:
@@ -32,35 +32,35 @@ class BagWriter {
     tf2_msgs::TFMessage mountings;
     mountings.transforms = messages_.mountings();
     write_latched("/tf_static", time, mountings);
-    write_latched(at_root(simulation_topics::kTrueLandmarks), time, messages_.true_landmarks());
+    write_latched(absolute(simulation_topics::kTrueLandmarks), time, messages_.true_landmarks());
   }
 
   void write(const Sample& sample) {
     const ros::Time time = messages_.stamp(sample);
     if (sample.gyro_rate_in_imu) {
-      bag_->write(at_root(simulation_topics::kImu), time, messages_.imu(sample));
+      bag_->write(absolute(simulation_topics::kImu), time, messages_.imu(sample));
     }
     if (sample.odometry) {
       tf2_msgs::TFMessage transforms;
       transforms.transforms = {messages_.odom_from_base(sample)};
       bag_->write("/tf", time, transforms);
-      bag_->write(at_root(simulation_topics::kOdometry), time, messages_.odometry(sample));
-      bag_->write(at_root(simulation_topics::kTruePose), time, messages_.true_pose(sample));
+      bag_->write(absolute(simulation_topics::kOdometry), time, messages_.odometry(sample));
+      bag_->write(absolute(simulation_topics::kTruePose), time, messages_.true_pose(sample));
     }
     if (sample.sightings) {
-      bag_->write(at_root(simulation_topics::kLandmarks), time, messages_.landmarks(sample));
+      bag_->write(absolute(simulation_topics::kLandmarks), time, messages_.landmarks(sample));
     }
     if (sample.position) {
       const ros::Duration delay(delay_);
-      bag_->write(at_root(simulation_topics::kPosition), time + delay, messages_.position(sample));
+      bag_->write(absolute(simulation_topics::kPosition), time + delay, messages_.position(sample));
     }
-    if (sample.ranges) bag_->write(at_root(simulation_topics::kRanges), time, messages_.ranges(sample));
+    if (sample.ranges) bag_->write(absolute(simulation_topics::kRanges), time, messages_.ranges(sample));
     if (sample.takes_picture) {
       const PictureMessages picture =
           to_messages(camera_.take(sample.world_from_base), messages_.optical_header(sample));
-      bag_->write(at_root(simulation_topics::kColour), time, picture.colour);
-      bag_->write(at_root(simulation_topics::kDepth), time, picture.depth);
-      bag_->write(at_root(simulation_topics::kCameraInfo), time, picture.info);
+      bag_->write(absolute(simulation_topics::kColour), time, picture.colour);
+      bag_->write(absolute(simulation_topics::kDepth), time, picture.depth);
+      bag_->write(absolute(simulation_topics::kCameraInfo), time, picture.info);
     }
   }
 

@@ -27,12 +27,13 @@ int edit_distance(const std::string& a, const std::string& b) {
 }
 
 std::string similar_key(const std::string& key, const std::vector<std::string>& known) {
+  const int most = static_cast<int>(key.size() / kLettersPerMistake);
   std::string nearest;
-  int least = static_cast<int>(key.size() / kLettersPerMistake) + 1;
+  int least = 0;
   for (const std::string& candidate : known) {
-    if (name_of(candidate) == name_of(key)) return candidate;
     const int distance = edit_distance(key, candidate);
-    if (distance < least) {
+    const bool is_near = distance <= most || name_of(candidate) == name_of(key);
+    if (is_near && (nearest.empty() || distance < least)) {
       least = distance;
       nearest = candidate;
     }

@@ -83,12 +83,12 @@ struct Run {
 };
 
 template <class Space>
-class LoopedWorld {
+class World {
  public:
   using Pose = typename Space::Pose;
   using PoseVector = typename Space::PoseVector;
 
-  LoopedWorld(const ConsistencyScenario& scenario, std::uint64_t seed)
+  World(const ConsistencyScenario& scenario, std::uint64_t seed)
       : scenario_(scenario),
         way_(Space::kPointDim == 3),
         landmarks_(place_landmarks<Space>(way_)),
@@ -181,7 +181,7 @@ EstimatorOptions textbook(EstimatorOptions::Type type) {
 template <class Space>
 Run run_once(const ConsistencyScenario& scenario, EstimatorOptions::Type type, std::uint64_t seed,
              bool keeps_errors) {
-  LoopedWorld<Space> world(scenario, seed);
+  World<Space> world(scenario, seed);
   AssociationOptions association;
   association.type = AssociationOptions::Type::kKnown;
   association.gate_probability = 1.0 - 1e-9;

@@ -181,9 +181,9 @@ const char* label_of(const Rgb& colour) {
 }
 
 /// Counts and errors of one view after the other.
-class CylinderTally {
+class Tally {
  public:
-  explicit CylinderTally(const CylinderStudy& study) : study_(study) {}
+  explicit Tally(const CylinderStudy& study) : study_(study) {}
 
   void add(const CylinderView& view, const Findings& findings) {
     std::vector<bool> used(findings.found.size(), false);
@@ -285,7 +285,7 @@ RgbdPicture first_picture(const CylinderStudy& study) {
 
 CylinderStudyResult run_study(const CylinderStudy& study) {
   const KinectCylinderDetector detector(study.detector, study.palette);
-  CylinderTally tally(study);
+  Tally tally(study);
   double milliseconds = 0.0;
   for (int i = 0; i < study.views; ++i) {
     const std::uint64_t seed = study.first_seed + i;

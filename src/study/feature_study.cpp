@@ -15,7 +15,7 @@ namespace {
 constexpr double kElsewhere = 0.15;  // m
 
 /// Compares each sighting with the first one of the same number.
-class FeatureTally {
+class Tally {
  public:
   void add(const Findings& findings, const Eigen::Isometry3d& world_from_optical,
            FeatureStudyResult* result) {
@@ -42,7 +42,7 @@ FeatureStudyResult run_study(const FeatureStudy& study) {
   Simulator simulator(study.world, study.seed);
   SimulatedCamera camera(study.world, study.seed);
   FeatureDetector detector(study.detector);
-  FeatureTally tally;
+  Tally tally;
   FeatureStudyResult result;
   while (result.pictures < study.pictures && !simulator.finished()) {
     const Sample sample = simulator.next();

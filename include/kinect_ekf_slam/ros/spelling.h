@@ -9,8 +9,8 @@ namespace kinect_ekf_slam {
 /// distance.
 int edit_distance(const std::string& a, const std::string& b);
 
-/// Which of the `known` keys (group/name) the writer of `key` may have meant: one of the same name in another
-/// group, or the one whose spelling is nearest; empty: none is near.
+/// Which of the `known` keys (group/name) the writer of `key` may have meant: the nearest by spelling
+/// of those that are near or have the same name in another group; empty: there is none.
 std::string similar_key(const std::string& key, const std::vector<std::string>& known);
 
 }  // namespace kinect_ekf_slam
