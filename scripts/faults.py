@@ -11,6 +11,7 @@ import argparse
 import dataclasses
 import json
 import os
+import signal
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
@@ -77,6 +78,7 @@ def main():
     parser.add_argument("--only", nargs="+", choices=ROWS, default=list(ROWS), metavar="ROW", help="these rows alone")
     parser.add_argument("--json", metavar="FILE", help="the rows as JSON as well; rows of an earlier run that are not run now stay")
     arguments = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that the master and what is running end as well
     rows = run(arguments.only, arguments.quick, arguments.json)
     print(table(rows.values()))
     return 0 if all(row.holds for row in rows.values()) else 1

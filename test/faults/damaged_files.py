@@ -6,6 +6,7 @@ import tempfile
 
 from programs import ROOT, build_folder, fuzz, run
 from row import Row, number
+from slam_tools import cli
 
 SNAGS = (b"\x00", b"\xff\xff\xff\xff", b"\x00\x00\x00\x80", b"\xff", b"op=", b"\x0a")
 
@@ -72,7 +73,7 @@ def bags(quick):
         _short_bag(path)
         with open(path, "rb") as file:
             sound = file.read()
-        for _ in range(count):
+        for _ in cli.progress(range(count), count, "Damaging"):
             with open(path, "wb") as file:
                 file.write(_damaged(sound, choice))
             code, text = run("slam_replay", path)
